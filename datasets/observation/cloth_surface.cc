@@ -196,24 +196,61 @@ Vector3d ClothSurface::Outwards(int edge) const {
   return outwards.dot(middle - start) > 0.0 ? Vector3d(-outwards) : outwards;
 }
 
-SurfaceDistance ClothSurface::MeasureToBorder(const Vector3d& q) const {
-  int nearest = topology_->border_edges.front(), vertex = -1;
+ClothSurface::BorderFeature ClothSurface::NearestBorder(const Vector3d& q) const {
+  BorderFeature nearest{topology_->border_edges.front()};
+  int vertex = -1;
   double least = std::numeric_limits<double>::infinity();
-  Vector3d outwards = Vector3d::Zero();
   for (const int edge : topology_->border_edges) {
     const SurfaceDistance projection = Project(q, edge);
     const double squared = (q - projection.closest).squaredNorm();
     const bool is_vertex = projection.weights[0] == 0.0 || projection.weights[1] == 0.0;
     const int end = is_vertex ? projection.nodes[projection.weights[0] == 0.0 ? 1 : 0] : -1;
     const bool is_same = is_vertex && end == vertex;  // the other edge of the vertex
-    if (is_same) outwards += Outwards(edge);
+    if (is_same) nearest.outwards += Outwards(edge);
     if (is_same || !(squared < least)) continue;
     least = squared;
-    nearest = edge;
     vertex = end;
-    outwards = Outwards(edge);
+    nearest = {is_vertex ? topology_->first_vertex + end : edge, Outwards(edge)};
   }
-  return vertex < 0 ? Beyond(q, nearest, outwards) : Beyond(q, topology_->first_vertex + vertex, outwards);
+  return nearest;
+}
+
+SurfaceDistance ClothSurface::MeasureToBorder(const Vector3d& q) const {
+  const BorderFeature nearest = NearestBorder(q);
+  return Beyond(q, nearest.feature, nearest.outwards);
+}
+
+SurfaceOffset ClothSurface::OffsetToLine(const Vector3d& q, int feature) const {
+  const ClothFeature& own = topology_->features[feature];
+  SurfaceOffset result = own.num_nodes == 1 ? OffsetToVertex(Position(own.nodes[0]), q)
+                                            : OffsetToEdge(Position(own.nodes[0]), Position(own.nodes[1]), q);
+  result.nodes = own.nodes;
+  return result;
+}
+
+SurfaceOffset ClothSurface::OffsetToBorder(const Vector3d& q) const {
+  return OffsetToLine(q, NearestBorder(q).feature);
+}
+
+SurfaceOffset ClothSurface::Offset(const Vector3d& q, double allowance) const {
+  const int nearest = tree_->ClosestFeature(q);
+  const ClothFeature& feature = topology_->features[nearest];
+  const bool is_face = feature.num_nodes == 3;
+  if (!is_face && !feature.is_border) return OffsetToLine(q, nearest);
+  const int face = feature.faces.front();
+  const std::array<int, 3>& nodes = topology_->features[face].nodes;
+  SurfaceOffset result;
+  if (is_face) {
+    result = OffsetToFace(tree_->triangles()[face], q);
+  } else {
+    SurfaceOffset to_border = OffsetToLine(q, nearest);
+    for (int i = 0; i < to_border.num_nodes; ++i) {
+      to_border.nodes[i] = static_cast<int>(std::find(nodes.begin(), nodes.end(), to_border.nodes[i]) - nodes.begin());
+    }
+    result = OffsetBesideFace(tree_->triangles()[face], allowance, to_border);
+  }
+  result.nodes = nodes;
+  return result;
 }
 
 SurfaceDistance ClothSurface::Beyond(const Vector3d& q, int feature, const Vector3d& outwards) const {

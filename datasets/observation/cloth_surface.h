@@ -38,6 +38,8 @@
 #include <array>
 #include <memory>
 
+#include "datasets/observation/surface_offset.h"
+
 namespace clothid {
 
 class TriangleTree;  // sim/geometry/triangle_tree.h
@@ -75,8 +77,19 @@ class ClothSurface {
   SurfaceDistance Measure(const Eigen::Vector3d& q, double allowance) const;
   // u of the point q, and the closest point of the border. There must be a border.
   SurfaceDistance MeasureToBorder(const Eigen::Vector3d& q) const;
+  // The same as vectors, with the nearest point: e, |e| = |d|, and q less the closest point of the border.
+  SurfaceOffset Offset(const Eigen::Vector3d& q, double allowance) const;
+  SurfaceOffset OffsetToBorder(const Eigen::Vector3d& q) const;
 
  private:
+  // The edge or vertex of the border that is nearest to q, and m there: at an edge; at a vertex the sum of both.
+  struct BorderFeature {
+    int feature = 0;
+    Eigen::Vector3d outwards = Eigen::Vector3d::Zero();
+  };
+  BorderFeature NearestBorder(const Eigen::Vector3d& q) const;
+  // The offset to an edge or a vertex, whose nodes it has.
+  SurfaceOffset OffsetToLine(const Eigen::Vector3d& q, int feature) const;
   SurfaceDistance MeasureFace(const Eigen::Vector3d& q, int face) const;
   SurfaceDistance MeasureWithin(const Eigen::Vector3d& q, int feature) const;
   SurfaceDistance MeasureBorder(const Eigen::Vector3d& q, int feature, double allowance) const;

@@ -117,6 +117,85 @@ TEST(ClothSurfaceTest, DerivativeIsThatOfFiniteDifferences) {
   }
 }
 
+// Columns: what `offset` and `weights` change along `direction` of all nodes.
+Eigen::Matrix<double, 3, 2> ChangeOf(const SurfaceOffset& at, const VectorXd& direction) {
+  Eigen::Matrix<double, 3, 2> change = Eigen::Matrix<double, 3, 2>::Zero();
+  for (int k = 0; k < at.num_nodes; ++k) {
+    const Vector3d own = direction.segment<3>(3 * at.nodes[k]);
+    change.col(0) += at.offset_gradient.middleCols<3>(3 * k) * own;
+    change.col(1) += at.weight_gradient.middleCols<3>(3 * k) * own;
+  }
+  return change;
+}
+
+// Faces, inner edges and vertices, borders within and beyond the allowance; and the border itself.
+TEST(ClothSurfaceTest, OffsetsAreDistancesAndHaveTheirDerivatives) {
+  const Mesh mesh = SheetMesh();
+  const ClothTopology topology(mesh.faces, mesh.num_nodes());
+  const VectorXd nodes = Crumpled(mesh);
+  const double step = 1e-6;
+  std::mt19937 generator(9);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  std::map<std::string, int> num_checked;
+  for (const double allowance : {0.0, 0.05, -1.0}) {
+    for (const Vector3d& q : PointsAround(1500)) {
+      VectorXd direction(nodes.size());
+      for (double& coordinate : direction) coordinate = normal(generator);
+      const auto offset_at = [&](const VectorXd& places) {
+        const ClothSurface surface(topology, places);
+        return allowance < 0.0 ? surface.OffsetToBorder(q) : surface.Offset(q, allowance);
+      };
+      const SurfaceOffset at = offset_at(nodes), above = offset_at(nodes + step * direction),
+                          below = offset_at(nodes - step * direction);
+      const ClothSurface surface(topology, nodes);
+      if (allowance >= 0.0) {
+        EXPECT_NEAR(at.offset.norm(), std::abs(surface.Measure(q, allowance).distance), 1e-12);
+      } else {
+        EXPECT_NEAR((q - at.offset - surface.MeasureToBorder(q).closest).norm(), 0.0, 1e-12);
+      }
+      EXPECT_NEAR(at.weights.sum(), 1.0, 1e-12);
+      const bool is_vertex = at.weights.maxCoeff() == 1.0;
+      if (above.nodes != at.nodes || below.nodes != at.nodes || above.num_nodes != at.num_nodes ||
+          below.num_nodes != at.num_nodes || is_vertex != (above.weights.maxCoeff() == 1.0) ||
+          is_vertex != (below.weights.maxCoeff() == 1.0)) {
+        continue;
+      }
+      const Eigen::Matrix<double, 3, 2> change = ChangeOf(at, direction);
+      const double scale = 1e-6 * direction.norm();
+      EXPECT_LT((change.col(0) - (above.offset - below.offset) / (2.0 * step)).norm(), scale) << q.transpose();
+      EXPECT_LT((change.col(1) - (above.weights - below.weights) / (2.0 * step)).norm(), 10.0 * scale) << q.transpose();
+      const bool is_beside = allowance >= 0.0 && at.num_nodes == 3 && at.weights.minCoeff() == 0.0;
+      const bool is_far = (q - surface.Measure(q, 0.0).closest).norm() > at.offset.norm() + 1e-9;
+      ++num_checked[(allowance < 0.0 ? "to the border " : "") + std::to_string(at.num_nodes) +
+                    (is_beside ? " beside" : "") + (is_beside && is_far ? ", allowed" : "")];
+    }
+  }
+  for (const char* kind : {"1", "2", "3", "3 beside", "3 beside, allowed", "to the border 1", "to the border 2"}) {
+    EXPECT_GT(num_checked[kind], 10) << kind;
+  }
+}
+
+// Above a dome, where no two parts of the cloth are equally near, and beyond its border.
+TEST(ClothSurfaceTest, OffsetsAreContinuous) {
+  const Mesh mesh = SheetMesh();
+  VectorXd nodes = mesh.rest_positions.reshaped();
+  for (int i = 0; i < mesh.num_nodes(); ++i) nodes[3 * i + 2] -= 0.3 * nodes.segment<2>(3 * i).squaredNorm();
+  const ClothSurface surface(ClothTopology(mesh.faces, mesh.num_nodes()), nodes);
+  const auto foot = [&](const SurfaceOffset& at) {
+    Vector3d sum = Vector3d::Zero();
+    for (int k = 0; k < at.num_nodes; ++k) sum += at.weights[k] * nodes.segment<3>(3 * at.nodes[k]);
+    return sum;
+  };
+  const double step = 1e-5;
+  SurfaceOffset last = surface.Offset({0.5, 0.6, 0.02}, 0.05);
+  for (double y = 0.6; y > -0.3; y -= step) {
+    const SurfaceOffset at = surface.Offset({0.5, y, 0.02}, 0.05);
+    EXPECT_LT((at.offset - last.offset).norm(), 3.0 * step) << y;
+    EXPECT_LT((foot(at) - foot(last)).norm(), 3.0 * step) << y;
+    last = at;
+  }
+}
+
 TEST(ClothSurfaceTest, SidesAndBordersOfAFlatSheet) {
   const Mesh mesh = SheetMesh();
   const ClothSurface surface(ClothTopology(mesh.faces, mesh.num_nodes()), mesh.rest_positions.reshaped());
