@@ -101,7 +101,6 @@ SolverOptions RecordingModel::SolverAt(Precision precision) const {
 }
 
 std::string RecordingModel::WhyNotAssimilated() const {
-  if (observation_.has_clouds()) return "has points that are compared with the surface";
   if (observation_.coordinates().empty() || !observation_.forces().is_empty()) return "has forces at its handles";
   if (interpolation_.has_slopes()) return "has a clock that is fitted";
   if (values_.Find(ParameterTerm::kFrame) != nullptr) return "has a frame of reference that is fitted";

@@ -31,6 +31,7 @@ class NodeMeans {
       const double mean = sum_[node] / count_[node], last = last_[node];
       if (!std::isnan(last)) {
         error->successive_products += last * mean;
+        error->num_successive += 1.0;
         error->successive_squares += 0.5 * (last * last + mean * mean);
       }
       last_[node] = mean;
@@ -82,6 +83,7 @@ CloudError& CloudError::operator+=(const CloudError& other) {
   num_far += other.num_far;
   successive_products += other.successive_products;
   successive_squares += other.successive_squares;
+  num_successive += other.num_successive;
   return *this;
 }
 
@@ -136,6 +138,18 @@ Eigen::VectorXd CloudObservation::Residuals(int frame, const Eigen::VectorXd& no
   Eigen::VectorXd residuals(num_rows(frame));
   for (Eigen::Index i = 0; i < residuals.size(); ++i) residuals[i] = rows[static_cast<std::size_t>(i)].distance;
   return residuals;
+}
+
+std::vector<SurfaceOffset> CloudObservation::Offsets(int frame, const Eigen::VectorXd& nodes) const {
+  std::vector<SurfaceOffset> offsets;
+  if (num_rows(frame) == 0) return offsets;
+  const ClothSurface surface(topology_, nodes);
+  offsets.reserve(points(frame).size());
+  for (const SeenSurfacePoint& seen : points(frame)) {
+    offsets.push_back(seen.is_border ? surface.OffsetToBorder(seen.position)
+                                     : surface.Offset(seen.position, kBorderAllowance * seen.sigma));
+  }
+  return offsets;
 }
 
 Eigen::Matrix3Xd CloudObservation::ClosestPoints(int frame, const Eigen::VectorXd& nodes) const {

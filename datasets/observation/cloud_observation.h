@@ -46,6 +46,7 @@ struct CloudError {
   double num_far = 0.0;              // farther than kFarFromSurface
   double successive_products = 0.0;  // m^2, see PredictionError: of the mean distance of the points near a node
   double successive_squares = 0.0;
+  double num_successive = 0.0;  // of means that were compared so
 
   double rmse() const;         // m: root mean square distance of points to the surface
   double border_rmse() const;  // m: of points of the border to the border; NaN without any
@@ -74,6 +75,8 @@ class CloudObservation {
   CloudRows Linearize(int frame, const Eigen::VectorXd& nodes) const;
   // Only the residuals.
   Eigen::VectorXd Residuals(int frame, const Eigen::VectorXd& nodes) const;
+  // How the points of the frame lie from the nearest points of the cloth, those of the border from the border.
+  std::vector<SurfaceOffset> Offsets(int frame, const Eigen::VectorXd& nodes) const;
   // The points of the surface that are nearest to those of the frame [3 x M], m.
   Eigen::Matrix3Xd ClosestPoints(int frame, const Eigen::VectorXd& nodes) const;
   // `tracked` [3P x T] and `nodes` [3N x T]: the two parts of a prediction (datasets/observation/observation.h).

@@ -1,6 +1,8 @@
 #include "identify/checks/lead_time.h"
 
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include "costs/prediction/rollout_cost_options.h"
 
@@ -17,7 +19,50 @@ Eigen::Index NearestFrame(const Eigen::VectorXd& times, double time) {
   return nearest;
 }
 
+// What the seen material points of a frame differ from `expected` [>= 3P] by: its squares and their number. NaN counts
+// nothing.
+std::pair<double, double> SquaredDifference(const RecordedMotion& motion, Eigen::Index frame,
+                                            const Eigen::VectorXd& expected) {
+  double sum = 0.0, num = 0.0;
+  for (int row = 0; row < 3 * motion.num_points(); ++row) {
+    if (motion.points[static_cast<std::size_t>(row / 3)].kind != PointKind::kMaterial) continue;
+    const double difference = motion.positions(row, frame) - expected[row];
+    if (std::isnan(difference)) continue;
+    sum += difference * difference;
+    num += 1.0;
+  }
+  return {sum, num};
+}
+
+// Of the points of a frame that are compared with the surface to that of `nodes` [3N], squared and summed.
+double SquaredDistance(const CloudObservation& clouds, Eigen::Index frame, const Eigen::VectorXd& nodes) {
+  const int own_frame = static_cast<int>(frame);
+  const CloudRows rows = clouds.Linearize(own_frame, nodes);
+  double sum = 0.0;
+  for (int row = 0; row < clouds.num_rows(own_frame); ++row) {
+    if (clouds.is_border_row(own_frame, row)) continue;
+    sum += std::pow(rows[static_cast<std::size_t>(row)].distance * clouds.point(own_frame, row).sigma, 2);
+  }
+  return sum;
+}
+
 }  // namespace
+
+LeadTimes::Sum LeadTimes::Compare(const RecordedMotion& motion, const Observation& observation,
+                                  const Eigen::MatrixXd& predicted, Eigen::Index launch, Eigen::Index frame) {
+  const Eigen::VectorXd seen = motion.positions.col(launch);
+  // A point counts where it was seen in both frames.
+  const Eigen::VectorXd both = seen.array().isNaN().select(seen, predicted.col(frame).head(seen.size()));
+  Sum sum;
+  std::tie(sum.squared, sum.num) = SquaredDifference(motion, frame, both);
+  sum.still = SquaredDifference(motion, frame, seen).first;
+  const CloudObservation& clouds = observation.clouds();
+  if (!observation.has_clouds()) return sum;
+  sum.squared += SquaredDistance(clouds, frame, observation.Nodes(predicted).col(frame));
+  sum.still += SquaredDistance(clouds, frame, observation.Nodes(predicted).col(launch));
+  sum.num += static_cast<double>(clouds.points(static_cast<int>(frame)).size());
+  return sum;
+}
 
 void LeadTimes::Add(const RecordedMotion& motion, const Eigen::VectorXd& coordinates, RecordingModel* model) {
   if (!assimilation_.is_on() || !model->WhyNotAssimilated().empty()) return;
@@ -33,14 +78,11 @@ void LeadTimes::Add(const RecordedMotion& motion, const Eigen::VectorXd& coordin
     for (std::size_t i = 0; i < kLeads.size(); ++i) {
       const Eigen::Index frame = NearestFrame(times, times[launch] + kLeads[i]);
       if (std::abs(times[frame] - times[launch] - kLeads[i]) > kSameTime * kLeads[i]) continue;
-      const Eigen::ArrayXd seen = motion.positions.col(frame).array();
-      const Eigen::ArrayXd errors = seen - predicted.col(frame).array();
-      const Eigen::ArrayXd moved = seen - motion.positions.col(launch).array();
-      const Eigen::Array<bool, Eigen::Dynamic, 1> counts = !errors.isNaN() && !moved.isNaN();
-      if (!counts.any()) continue;
-      sums_[i].squared += counts.select(errors.square(), 0.0).sum();
-      sums_[i].still += counts.select(moved.square(), 0.0).sum();
-      sums_[i].num += static_cast<double>(counts.count());
+      const Sum own = Compare(motion, model->observation(), predicted, launch, frame);
+      if (own.num == 0.0) continue;
+      sums_[i].squared += own.squared;
+      sums_[i].still += own.still;
+      sums_[i].num += own.num;
       ++sums_[i].num_predictions;
     }
   }

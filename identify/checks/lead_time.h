@@ -3,7 +3,8 @@
 // Up to a frame, the launch, the recording corrects the rollout (costs/assimilation/assimilation.h); from there on
 // nothing does, and the frames that follow are compared with it. So the error is of state, parameters and model as far
 // as they count over that time, whatever was long before. Beside it stands what a cloth misses that stays where it was
-// seen at the launch: a prediction is worth something where it is less far off.
+// seen at the launch: a prediction is worth something where it is less far off. Points that are compared with the
+// surface count by their distance to it, and what was seen at the launch is the predicted surface there.
 #ifndef CLOTHID_IDENTIFY_CHECKS_LEAD_TIME_H_
 #define CLOTHID_IDENTIFY_CHECKS_LEAD_TIME_H_
 
@@ -22,7 +23,7 @@ namespace clothid {
 
 struct LeadTimeError {
   double lead = 0.0;        // s
-  double rmse = 0.0;        // m, of a coordinate
+  double rmse = 0.0;        // m, of a coordinate, or of a distance to the surface
   double still_rmse = 0.0;  // m, of a cloth that stays where it was at the launch
   int num_predictions = 0;  // launches whose frame after `lead` was seen
 };
@@ -45,6 +46,9 @@ class LeadTimes {
     double squared = 0.0, still = 0.0, num = 0.0;
     int num_predictions = 0;
   };
+  // What is missed in `frame`; no prediction is counted.
+  static Sum Compare(const RecordedMotion& motion, const Observation& observation, const Eigen::MatrixXd& predicted,
+                     Eigen::Index launch, Eigen::Index frame);
 
   static constexpr std::array<double, 4> kLeads = {0.1, 0.2, 0.5, 1.0};  // s
   Assimilation assimilation_;

@@ -116,7 +116,7 @@ bool LeavesNoise(const FitProblem& problem, const std::vector<Eigen::MatrixXd>& 
   for (int r = 0; r < problem.num_recordings(); ++r) {
     error += problem.cost(r).model().observation().Compare(predicted[static_cast<std::size_t>(r)]);
   }
-  const double by_chance = kStds / std::sqrt(std::max(1.0, static_cast<double>(error.num_coordinates)));
+  const double by_chance = kStds / std::sqrt(std::max(1.0, error.num_coordinates + error.cloud.num_successive));
   return !(error.autocorrelation() > std::max(kNoiseCorrelation, by_chance));
 }
 

@@ -13,6 +13,7 @@
 
 #include "costs/prediction/recording_model.h"
 #include "costs/rollout_cost.h"
+#include "tests/costs/synthetic_clouds.h"
 #include "tests/costs/synthetic_motion.h"
 
 namespace clothid::recording_correction_test {
@@ -112,6 +113,55 @@ TEST(RecordingCorrectionTest, GrossErrorsCountAsTheLossLetsThem) {
   EXPECT_NEAR(CorrectedBy(motion, {0.05, 0.0}, Of("cauchy:2"), x)[300], 4e-6, 1e-8);
 }
 
+// A cloth whose nodes stand at `x`, seen as 4000 points of the same cloth moved by `shift`.
+RecordedMotion SeenAsCloud(const Eigen::VectorXd& x, const Eigen::Vector3d& shift) {
+  RecordedMotion motion = StillMotion();
+  motion.positions = (x + shift.replicate(x.size() / 3, 1)).replicate(1, motion.num_frames());
+  AddClouds(4000, 0.0, /*keep_points=*/false, &motion);
+  motion.cloud_sigma = 1e-3;
+  return motion;
+}
+
+Eigen::VectorXd Waves() {
+  Eigen::VectorXd x = StillMotion().positions.col(0);
+  for (Eigen::Index node = 0; node < x.size() / 3; ++node) x[3 * node + 2] += 0.05 * std::sin(20.0 * x[3 * node]);
+  return x;
+}
+
+TEST(CloudCorrectionTest, MovesTheClothAlongItsNormal) {
+  const Eigen::VectorXd flat = StillMotion().positions.col(0);
+  const Eigen::Vector3d shift(0.0, 0.0, 1e-3);
+  const Eigen::VectorXd moved = CorrectedBy(SeenAsCloud(flat, shift), {0.05, 0.02}, {}, flat);
+  for (Eigen::Index node = 0; node < flat.size() / 3; ++node) {
+    EXPECT_LT((moved.segment<3>(3 * node) - shift).norm(), 5e-6) << node;
+  }
+}
+
+TEST(CloudCorrectionTest, TellsHowAClothThatIsNotFlatMovesAlongItself) {
+  const Eigen::VectorXd waves = Waves();
+  const Eigen::Vector3d shift(1e-3, 0.0, 0.0);
+  const Eigen::VectorXd moved = CorrectedBy(SeenAsCloud(waves, shift), {0.05, 0.02}, {}, waves);
+  const Eigen::Vector3d mean = moved.reshaped(3, moved.size() / 3).rowwise().mean();
+  EXPECT_GT(mean.x(), 0.5 * shift.x()) << "crests are level";
+  EXPECT_LT(mean.x(), shift.x());
+  EXPECT_LT(mean.tail<2>().norm(), 0.02 * shift.x());
+}
+
+TEST(CloudCorrectionTest, SaysNothingWhereTheClothIs) {
+  const Eigen::VectorXd waves = Waves();
+  const RecordedMotion motion = SeenAsCloud(waves, Eigen::Vector3d::Zero());
+  EXPECT_LT(CorrectedBy(motion, {0.05, 0.02}, {}, waves).norm(), 1e-12);
+}
+
+TEST(CloudCorrectionTest, GrossErrorsCountAsTheLossLetsThem) {
+  const Eigen::VectorXd flat = StillMotion().positions.col(0);
+  RecordedMotion motion = SeenAsCloud(flat, Eigen::Vector3d::Zero());
+  motion.clouds[1](2, 7) += 0.1;
+  const double plain = CorrectedBy(motion, {0.05, 0.02}, {}, flat).lpNorm<Eigen::Infinity>();
+  EXPECT_GT(plain, 5e-4);
+  EXPECT_LT(CorrectedBy(motion, {0.05, 0.02}, Of("huber:2"), flat).lpNorm<Eigen::Infinity>(), 0.03 * plain);
+}
+
 // A cloth that clings, seen at times between steps by markers, some of them hidden, and far from what is simulated.
 struct Case {
   const char* name;
@@ -141,6 +191,29 @@ RecordedMotion Sliding(double frame_interval) {
 
 RecordedMotion SlidingMarkers() { return WithMarkers(Sliding(0.0125)); }
 RecordedMotion OftenSeen() { return Sliding(0.004); }
+
+// Clouds and points that slide, with noise, between steps and two frames in some steps.
+RecordedMotion Clouded(double frame_interval, int count, bool keep_points) {
+  RecordedMotion motion = Sliding(frame_interval);
+  AddClouds(count, 2e-3, keep_points, &motion);
+  motion.cloud_sigma = 2e-3;
+  motion.clouds[2].resize(3, 0);
+  return motion;
+}
+
+RecordedMotion SparseClouds() { return Clouded(0.0125, 40, false); }
+RecordedMotion DenseClouds() { return Clouded(0.004, 800, false); }
+RecordedMotion CloudsBesideMarkers() { return WithMarkers(Clouded(0.0125, 60, true)); }
+
+RecordedMotion SlidingPoints() {
+  RecordedMotion motion = Sliding(0.0125);
+  SlidePoints(/*borders=*/true, 12, &motion);
+  motion.positions.col(3).setConstant(kNaN);
+  std::mt19937_64 generator(13);
+  std::normal_distribution<double> normal(0.0, 2e-3);
+  for (double& position : motion.positions.reshaped()) position += normal(generator);
+  return motion;
+}
 
 RecordedMotion SlidingSdirk() {
   RecordedMotion motion = Sliding(0.02);
@@ -181,7 +254,12 @@ INSTANTIATE_TEST_SUITE_P(Motions, AssimilatedModelTest,
                                          Case{"Markers", &SlidingMarkers, "none", 0.05, 0.03},
                                          Case{"MarkersRobust", &SlidingMarkers, "huber:1.5", 0.02, 0.03},
                                          Case{"OftenSeen", &OftenSeen, "cauchy:2", 0.02, 0.01},
-                                         Case{"SecondOrder", &SlidingSdirk, "none", 0.03, 0.02}),
+                                         Case{"SecondOrder", &SlidingSdirk, "none", 0.03, 0.02},
+                                         Case{"SparseClouds", &SparseClouds, "none", 0.03, 0.02},
+                                         Case{"SparseCloudsRobust", &SparseClouds, "huber:1.5", 0.03, 0.0},
+                                         Case{"DenseClouds", &DenseClouds, "cauchy:2", 0.02, 0.01},
+                                         Case{"CloudsBesideMarkers", &CloudsBesideMarkers, "none", 0.1, 0.03},
+                                         Case{"SlidingPoints", &SlidingPoints, "huber:2", 0.03, 0.02}),
                          [](const auto& test) { return test.param.name; });
 
 TEST_P(AssimilatedModelTest, AdjointAgreesWithSensitivitiesAndDifferences) {
@@ -218,7 +296,8 @@ TEST_P(AssimilatedModelTest, AdjointAgreesWithSensitivitiesAndDifferences) {
     const double step = 1e-5;
     above[i] += step;
     below[i] -= step;
-    const Eigen::VectorXd difference = observation.Whiten(PredictionAt(above) - PredictionAt(below)) / (2.0 * step);
+    const Eigen::VectorXd difference =
+        (observation.Residuals(PredictionAt(above)) - observation.Residuals(PredictionAt(below))) / (2.0 * step);
     EXPECT_LT((difference - jacobian.col(i)).norm(), 1e-6 * jacobian.col(i).norm()) << Names()[i];
   }
 }

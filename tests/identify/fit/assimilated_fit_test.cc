@@ -15,6 +15,7 @@
 #include "identify/report/report.h"
 #include "identify/run.h"
 #include "tests/costs/start/forget_start.h"
+#include "tests/costs/synthetic_clouds.h"
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"
 #include "tests/identify/fine_recordings.h"
@@ -225,6 +226,27 @@ TEST(AssimilatedFitTest, TellsWhoCorrectsNothing) {
   options.assimilate = {AssimilationOption::Kind::kMemory, {0.1, std::nullopt}};
   ExpectError([&] { FitProblem(motions, options); }, ErrorKind::kUsage,
               {"--assimilate: synthetic has a clock that is fitted; expected off or auto"});
+}
+
+// Clouds on the surface, without noise: any memory shows the truth, and predictions ahead are judged by distances.
+TEST(AssimilatedFitTest, CloudsCorrectRollouts) {
+  RecordedMotion motion = Swing(0.0);
+  AddClouds(200, 0.0, /*keep_points=*/false, &motion);
+  for (const double memory : {0.02, 0.2}) {
+    RunOptions options;
+    options.targets = {motion};
+    options.fit = OptionsOf({"k_stretch"}, {AssimilationOption::Kind::kMemory, {memory, std::nullopt}});
+    options.fit.overrides.start["k_stretch"] = 30.0;
+    const RunResult result = Identify(options);
+    ASSERT_EQ(result.summary.status, FitStatus::kConverged) << result.summary.message;
+    EXPECT_NEAR(result.summary.values()[0], 90.0, 1e-3) << memory;
+    EXPECT_EQ(result.summary.assimilation.memory, memory);
+    EXPECT_FALSE(result.checks.lead_times.empty());
+    for (const LeadTimeError& ahead : result.checks.lead_times) {
+      EXPECT_LT(ahead.rmse, 1e-6);
+      EXPECT_GT(ahead.still_rmse, 1e-3);
+    }
+  }
 }
 
 // What is written is a simulation with these parameters, and its error stands beside that of the fit.

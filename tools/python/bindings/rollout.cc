@@ -72,7 +72,6 @@ std::shared_ptr<const Correction> CorrectionBy(const std::optional<PyMotion>& re
   }
   motion.scene = simulator.scene();
   const Observation observation(motion);
-  if (observation.has_clouds()) FailArgument("recording", "expected tracked points: clouds correct nothing");
   return std::make_shared<const RecordingCorrection>(Assimilation{*memory}, InfluenceOf(), observation, motion.times,
                                                      simulator.model());
 }
