@@ -1,5 +1,6 @@
 #include "identify/fit/memory_search.h"
 
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -7,12 +8,34 @@
 #include "identify/fit/continued_fit.h"
 #include "identify/fit/descent.h"
 #include "identify/fit/plan.h"
+#include "identify/problem/evaluator.h"
 #include "identify/problem/gauss_newton.h"
 #include "identify/problem/memory_trial.h"
 #include "identify/problem/step_prediction.h"
 
 namespace clothid {
 namespace {
+
+// By how many times the size of the cloth a parameter may move what is measured, per unit of its coordinate.
+constexpr double kMostMoved = 100.0;
+
+// Whether the derivatives of `model` are those of rollouts that forget where they come from: stiff cloth that
+// corrections drive may amplify every change without bound. Its cost then has no slope to follow, and no width.
+bool HasLostDerivative(const FitProblem& problem, const QuadraticModel& model) {
+  if (model.hessian.size() == 0) return false;
+  double bound = 0.0;
+  for (int r = 0; r < problem.num_recordings(); ++r) {
+    const RecordingModel& own = problem.cost(r).model();
+    const double size = ClothSize(own.scene().mesh);
+    for (int row = 0; row < own.observation().first_force_row(); ++row) {
+      bound += std::pow(kMostMoved * size / own.observation().SigmaOf(row), 2);
+    }
+  }
+  for (const int i : problem.free_blocks()) {
+    if (!(model.hessian(i, i) <= bound)) return true;
+  }
+  return false;
+}
 
 class MemorySearch {
  public:
@@ -57,13 +80,20 @@ class MemorySearch {
   // Of the recordings alone.
   double CostOf(const FitPoint& point) const { return point.cost - problem_->PriorCost(point.coordinates); }
 
+  bool IsLostAt(const Eigen::VectorXd& point) {
+    const QuadraticModel& model = evaluator().model();
+    return model.coordinates.size() == point.size() && model.coordinates == point &&
+           HasLostDerivative(*problem_, model);
+  }
+
   // Costs with corrections have one minimum: trials begin where theirs is lower, at the start or where the fit before
   // them has ended.
   void MoveToLowerStart() {
     Eigen::VectorXd end = exact_end_;
     end.segment(problem_->num_blocks(), problem_->num_start_unknowns()).setZero();  // corrections find them
     double cost = 0.0;
-    if (evaluator().Evaluate(end, FitEvaluator::Derivative::kRows, &cost, nullptr) && cost < descent_.start_cost()) {
+    if (evaluator().Evaluate(end, FitEvaluator::Derivative::kRows, &cost, nullptr) && cost < descent_.start_cost() &&
+        !IsLostAt(end)) {
       descent_.MoveTo(end, /*is_near=*/false);
     }
   }
@@ -101,6 +131,7 @@ class MemorySearch {
     descent_.Move(trial);
     if (evaluator().best_is_superseded() || descent_.summary().status == FitStatus::kFailed) return std::nullopt;
     descent_.MoveTo(evaluator().best().coordinates, /*is_near=*/false);
+    if (IsLostAt(evaluator().best().coordinates)) return std::nullopt;
     return DescribeTrial(*problem_, evaluator(), trial.memory);
   }
 
