@@ -77,6 +77,8 @@ struct FitSummary {
   std::vector<DentCheck> dents;                 // of it, too, where noise does not explain the residuals
   std::vector<StartEstimate> starts;     // of the recordings whose start was unknown, where there is an uncertainty
   std::vector<ModelError> model_errors;  // per recording, that frames were weighed by
+  // [p] of the parameters, where the fit was before frames were weighed so; empty: they all count alike.
+  Eigen::VectorXd unweighed_values;
   // The fits with corrected rollouts that found the memory, in their order, and whether the last of them is the answer:
   // then all that is said of predictions and errors is of rollouts that the recordings correct with that memory.
   std::vector<MemoryTrial> memory_trials;

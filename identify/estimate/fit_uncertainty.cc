@@ -1,5 +1,6 @@
 #include "identify/estimate/fit_uncertainty.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -56,6 +57,9 @@ bool LinearizeEstimate(const FitProblem& problem, FitEvaluator* evaluator, FitSu
   return LinearizeAlong(problem, summary->coordinates, estimate->follow, evaluator, &estimate->parameters);
 }
 
+// Of q, of an interval that noise cannot leave: rollouts that corrections drive may amplify without bound.
+constexpr double kIncredible = 1e-6;
+
 // Whether the cost is what the covariance takes it for, near the estimate and farther away.
 void CheckCost(const FitProblem& problem, const EstimateLinearization& estimate, FitEvaluator* evaluator,
                FitSummary* summary) {
@@ -66,7 +70,10 @@ void CheckCost(const FitProblem& problem, const EstimateLinearization& estimate,
                                       estimate.parameters.jacobian, estimate.follow, evaluator);
   const bool is_explained = !problem.has_model_error() && !uncertainty.is_widened &&
                             !(estimate.parameters.sigma_is_known && uncertainty.residual_scale >= kExplainedScale);
-  if (is_explained) return;
+  const auto is_incredible = [&](const ParameterUncertainty& own) { return own.half_width95 < kIncredible; };
+  const bool has_incredible = problem.assimilation().is_on() &&
+                              std::any_of(uncertainty.parameters.begin(), uncertainty.parameters.end(), is_incredible);
+  if (is_explained && !has_incredible) return;
   if (summary->interval_check) {
     LookBeyond(problem, summary->coordinates, summary->cost, uncertainty, evaluator, &*summary->interval_check);
   }

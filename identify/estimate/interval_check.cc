@@ -261,7 +261,11 @@ std::vector<BoundCheck> CheckBounds(const std::vector<ParameterBlock>& blocks, c
   return checks;
 }
 
-bool DentCheck::is_dent() const { return std::fmin(rise_below, rise_above) < kDentRise * expected_rise; }
+// Derivatives through a rollout that forgets where it comes from grow without bound, until not even the sign of what
+// they promise is left.
+bool DentCheck::is_dent() const {
+  return !(expected_rise > 0.0) || std::fmin(rise_below, rise_above) < kDentRise * expected_rise;
+}
 
 std::vector<DentCheck> CheckForDents(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
                                      double cost, const Uncertainty& uncertainty, FitEvaluator* evaluator) {

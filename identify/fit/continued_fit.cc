@@ -86,6 +86,7 @@ void AppendFit(FitSummary next, bool is_taken, FitSummary* summary) {
     }
     next.num_continuations = summary->num_continuations;
     if (next.memory_trials.empty()) next.memory_trials = std::move(summary->memory_trials);
+    if (next.unweighed_values.size() == 0) next.unweighed_values = std::move(summary->unweighed_values);
     next.why_not_assimilated = summary->why_not_assimilated;
     *summary = std::move(next);
     return;
@@ -110,7 +111,9 @@ void WeighByModelError(const FitOptions& options, FitProblem* problem, FitSummar
     const std::vector<ModelError> errors =
         EstimateModelErrors(options.loss, *problem, summary->predicted, summary->forces);
     if (IsSameError(problem->model_errors(), errors)) break;
+    const Eigen::VectorXd before = summary->values();
     if (!FitWeighed(options, errors, problem, summary)) break;
+    if (summary->unweighed_values.size() == 0) summary->unweighed_values = before;
   }
   problem->HoldWeights(false);
   problem->SetStart(start);

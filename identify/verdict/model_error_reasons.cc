@@ -14,6 +14,10 @@ constexpr double kFarFromMeasured = 3.0;
 // Estimates that drift by more than so many standard deviations of the noise, and by this share, ask for care.
 constexpr double kFarDrift = 2.0;
 constexpr double kSmallDrift = 0.01;
+// Weights of frames that move an estimate by more than so many half-widths of its interval, and by this share, say that
+// it is one of the model's error.
+constexpr double kFarByWeights = 1.5;
+constexpr double kLargeMove = 0.25;
 // Correlations of innovations that noise explains; what of the weight of the cloth may be lacking without a word.
 constexpr double kWhite = 0.1;
 constexpr double kSmallForce = 0.01;
@@ -56,6 +60,29 @@ void AddMisses(const RecordingFit& recording, const std::string& prefix, std::ve
   reasons->push_back(largest > 0.0 && !(largest <= recording.noise) ? Careful({}, brief, line) : Remark(line));
 }
 
+// Two fits of the same frames, all alike and as the model errs, disagree: then what it errs by is not random, and no
+// interval that takes it for that is worth anything.
+void AddWeights(const FitSummary& summary, std::vector<Reason>* reasons) {
+  if (summary.unweighed_values.size() == 0 || !summary.uncertainty) return;
+  for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
+    const FittedParameter& parameter = summary.parameters[i];
+    const ParameterUncertainty& uncertainty = summary.uncertainty->parameters[i];
+    const bool is_log = parameter.scale == ParameterScale::kLog;
+    const auto coordinate = [is_log](double value) { return is_log ? std::log(value) : value; };
+    const double before = summary.unweighed_values[static_cast<Eigen::Index>(i)];
+    const double at = coordinate(parameter.value), move = std::abs(coordinate(before) - at);
+    const double half_width = std::max(coordinate(uncertainty.upper95) - at, at - coordinate(uncertainty.lower95));
+    const double share = is_log ? move : move / std::abs(parameter.value);
+    if (!(move > kFarByWeights * half_width) || !(share > kLargeMove)) continue;
+    const std::string brief = parameter.name + " hangs on how frames are weighed";
+    reasons->push_back(AgainstAll(
+        /*is_grave=*/true, brief,
+        brief + ": " + NumberText(before, 4) + " where all count alike, " + NumberText(parameter.value, 4) +
+            " where they count for less as the model errs: its error is no chance, and intervals do not know of it; "
+            "see --discretization mesh"));
+  }
+}
+
 // What judges fast motion and what judges slow motion disagree.
 void AddDrift(const FitSummary& summary, std::vector<Reason>* reasons) {
   if (!summary.assimilation.is_on() || summary.memory_trials.empty() || !summary.uncertainty) return;
@@ -94,6 +121,7 @@ void AddCorrections(const CorrectionCheck& check, const std::string& prefix, std
 
 void AddModelErrorReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons) {
   AddMoved(summary, checks, reasons);
+  AddWeights(summary, reasons);
   AddDrift(summary, reasons);
   for (std::size_t r = 0; r < checks.corrections.size(); ++r) {
     AddCorrections(checks.corrections[r], checks.corrections.size() > 1 ? checks.recordings[r].name + ": " : "",

@@ -198,6 +198,14 @@ void AddParameterReasons(const FitSummary& summary, const FitChecks& checks, std
 
 void AddDentReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons) {
   for (const DentCheck& check : summary.dents) {
+    if (HasLostDerivative(summary, check.parameter)) {
+      const std::string& name = summary.parameters[check.parameter].name;
+      reasons->push_back(NotTold({check.parameter}, "lost in a rough cost",
+                                 "the derivative by " + name +
+                                     " is lost: rollouts amplify what changes until nothing of "
+                                     "it is left that the cost shows; see --landscape"));
+      continue;
+    }
     if (!check.is_dent() || !HasInterval(summary, checks, check.parameter)) continue;
     const FittedParameter& parameter = summary.parameters[check.parameter];
     const std::string brief = "the interval of " + parameter.name + " is that of one dent of a rough cost";

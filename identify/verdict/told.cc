@@ -14,12 +14,25 @@ bool IsInDent(const FitSummary& summary, int index) {
                      [&](const DentCheck& check) { return check.parameter == index && check.is_dent(); });
 }
 
+// A derivative that promises so many times what the cost rises by 1 % away is none of the cost that matters.
+constexpr double kLost = 1e6;
+
+bool IsLost(const DentCheck& check) {
+  const double rise = std::fmax(std::abs(check.rise_below), std::abs(check.rise_above));
+  return !(check.expected_rise > 0.0) || check.expected_rise > kLost * std::fmax(1.0, rise);
+}
+
 // Another start ended at another value that fits as well.
 bool IsAmbiguous(const FitChecks& checks, int index) {
   return checks.starts && !checks.starts->ambiguous.empty() && checks.starts->ambiguous[index];
 }
 
 }  // namespace
+
+bool HasLostDerivative(const FitSummary& summary, int index) {
+  return std::any_of(summary.dents.begin(), summary.dents.end(),
+                     [&](const DentCheck& check) { return check.parameter == index && IsLost(check); });
+}
 
 std::optional<bool> IsIdentifiable(const FitSummary& summary, const FitChecks& checks, int index) {
   if (summary.parameters[index].frozen || !summary.uncertainty) return std::nullopt;
@@ -28,7 +41,8 @@ std::optional<bool> IsIdentifiable(const FitSummary& summary, const FitChecks& c
 
 bool HasInterval(const FitSummary& summary, const FitChecks& checks, int index) {
   if (summary.parameters[index].frozen || !summary.uncertainty) return false;
-  return !std::isnan(summary.uncertainty->parameters[index].std) && !IsAmbiguous(checks, index);
+  return !std::isnan(summary.uncertainty->parameters[index].std) && !IsAmbiguous(checks, index) &&
+         !HasLostDerivative(summary, index);
 }
 
 bool HasExcludedSide(const FitSummary& summary, const FitChecks& checks, int index) {
@@ -49,6 +63,7 @@ std::string ToldRemark(const FitSummary& summary, const FitChecks& checks, int i
   if (summary.parameters[index].frozen) return "frozen";
   if (IsIdentifiable(summary, checks, index).value_or(true)) {
     if (summary.parameters[index].at_bound) return "at its bound";
+    if (HasLostDerivative(summary, index)) return "lost in a rough cost";
     return IsInDent(summary, index) ? "one dent" : "";
   }
   const ParameterUncertainty& parameter = summary.uncertainty->parameters[index];

@@ -253,6 +253,51 @@ TEST(VerdictTest, WhatNoClothCanBeLeads) {
   EXPECT_FALSE(Says(summary, {}, "beyond what was measured"));
 }
 
+TEST(VerdictTest, ADerivativeThatIsLostTellsNothing) {
+  FitSummary summary = Converged();
+  DentCheck check;
+  check.step = 0.01;
+  check.expected_rise = 1e4;
+  check.rise_below = check.rise_above = 50.0;
+  const auto exit_code_of = [&](double expected) {
+    check.expected_rise = expected;
+    summary.dents = {check};
+    return FitExitCode(summary, {});
+  };
+  EXPECT_EQ(exit_code_of(1e4), 0) << "one dent";
+  EXPECT_EQ(ParameterRemark(summary, {}, 0), "one dent");
+  for (const double expected : {1e9, -2.5e23, kNaN}) {
+    EXPECT_EQ(exit_code_of(expected), 4) << expected;
+    EXPECT_TRUE(check.is_dent());
+    EXPECT_EQ(Judge(summary, {}).line, "do not use mu (lost in a rough cost)");
+    EXPECT_EQ(ParameterRemark(summary, {}, 0), "lost in a rough cost");
+  }
+}
+
+TEST(VerdictTest, AnEstimateThatHangsOnTheWeightsOfFramesMustNotBeUsed) {
+  FitSummary summary = Converged();
+  FittedParameter& stretch = summary.parameters[0];
+  stretch.name = "k_stretch";
+  stretch.scale = ParameterScale::kLog;
+  stretch.value = 325.3;
+  summary.uncertainty->parameters[0].lower95 = 228.0;
+  summary.uncertainty->parameters[0].upper95 = 465.0;
+  const auto exit_code_from = [&](double unweighed) {
+    summary.unweighed_values = Eigen::VectorXd::Constant(1, unweighed);
+    return FitExitCode(summary, {});
+  };
+  EXPECT_EQ(exit_code_from(1021.76), 6);
+  EXPECT_EQ(Judge(summary, {}).line, "do not use: k_stretch hangs on how frames are weighed");
+  EXPECT_TRUE(Says(summary, {}, "1022 where all count alike, 325.3 where they count for less as the model errs"));
+  EXPECT_EQ(exit_code_from(200.0), 0) << "within one and a half half-widths";
+  EXPECT_EQ(exit_code_from(100.0), 6);
+  summary.uncertainty->parameters[0].lower95 = 324.0;
+  summary.uncertainty->parameters[0].upper95 = 326.0;
+  EXPECT_EQ(exit_code_from(300.0), 0) << "a small move, if a sure one";
+  summary.unweighed_values.resize(0);
+  EXPECT_EQ(FitExitCode(summary, {}), 0);
+}
+
 TEST(VerdictTest, ALowerPointThatIsLeftMustNotBeUsed) {
   FitSummary summary = Converged();
   summary.interval_check = IntervalCheck{0, -7.2, 4.0, Eigen::VectorXd::Ones(1), {}};
