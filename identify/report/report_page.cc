@@ -154,6 +154,22 @@ Shown Show(const RecordedMotion& motion, const Observation& observation, const F
   return shown;
 }
 
+// How large the force [N x T] N/m^2 is that the model lacks: of the mean over five frames, as noise changes its sign
+// from one to the next. Empty where nobody knows.
+Eigen::MatrixXd MissingForceOf(const FitChecks& checks, std::size_t index) {
+  constexpr Eigen::Index kReach = 2;
+  if (index >= checks.corrections.size()) return {};
+  const Eigen::MatrixXd& forces = checks.corrections[index].missing_force.forces;
+  Eigen::MatrixXd sizes(forces.rows() / 3, forces.cols());
+  for (Eigen::Index frame = 0; frame < forces.cols(); ++frame) {
+    const Eigen::Index first = std::max<Eigen::Index>(0, frame - kReach);
+    const Eigen::Index count = std::min<Eigen::Index>(forces.cols(), frame + kReach + 1) - first;
+    const Eigen::VectorXd mean = forces.middleCols(first, count).rowwise().mean();
+    sizes.col(frame) = mean.reshaped(3, sizes.rows()).colwise().norm().transpose();
+  }
+  return sizes;
+}
+
 Json RecordingJson(const RecordedMotion& motion, const Observation& observation, const FitSummary& summary,
                    const FitChecks& checks, std::size_t index, const Room& room) {
   const Shown shown = Show(motion, observation, summary, checks, index);
@@ -166,8 +182,9 @@ Json RecordingJson(const RecordedMotion& motion, const Observation& observation,
     start_rmse = observation.Compare(summary.start_predicted[index]).rmse();
   }
   const PredictionError error = observation.Compare(summary.predicted[index]);
-  const ReplaySource replay = {&shown.motion, &shown.predicted, shown.nodes.size() > 0 ? &shown.nodes : nullptr,
-                               &errors};
+  ReplaySource replay = {&shown.motion, &shown.predicted, shown.nodes.size() > 0 ? &shown.nodes : nullptr, &errors};
+  const Eigen::MatrixXd missing_force = MissingForceOf(checks, index);
+  if (missing_force.size() > 0) replay.missing_force = &missing_force;
   Json json = {{"name", motion.name},
                {"sha256", motion.sha256},
                {"frames", motion.num_frames()},

@@ -181,6 +181,10 @@ Json FramesJson(const ReplaySource& source, const PositionGrid& grid, double lar
       json["surfaces"][obstacle.name] = SurfaceJson(*obstacle.sequence, motion, frames);
     }
   }
+  if (source.missing_force != nullptr) {
+    json["missing_force"] =
+        PackMagnitudes((*source.missing_force)(Eigen::all, frames).reshaped(), Largest(*source.missing_force));
+  }
   if (source.point_errors != nullptr) {
     json["errors"] = PackMagnitudes((*source.point_errors)(Eigen::all, frames).reshaped(), largest_error);
   }
@@ -201,6 +205,7 @@ Json CommonJson(const ReplaySource& source, const PositionGrid& grid, double lar
                {"handles", motion.scene.handles.nodes},
                {"obstacles", Json::array()},
                {"notes", Json::array()}};
+  if (source.missing_force != nullptr) json["largest_force"] = Largest(*source.missing_force);
   if (source.start != nullptr) json["start"] = PackPositions(Quantize(grid, *source.start, {0}));
   if (!source.middle.isEmpty()) {
     json["middle"] = {VectorJson(source.middle.min()), VectorJson(source.middle.max())};

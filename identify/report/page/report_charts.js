@@ -141,3 +141,28 @@ function drawProfiles() {
     {y: {title: 'rise', rangemode: 'tozero'}, margin: {t: 28}, ...heading(profile.parameter)});
   }
 }
+
+// The fits with corrected rollouts, and how predictions err by their lead time.
+function drawMemories() {
+  const {trials = [], lead_times: ahead = []} = result.assimilation || {};
+  part('memories-card').hidden = trials.length === 0;
+  const add = () => part('memories').appendChild(element('div', 'plot'));
+  const axis = {title: 'memory, s', type: 'log', nticks: 5};
+  const memories = trials.map(({memory_s: memory}) => memory), ends = [memories[0], memories[memories.length - 1]];
+  for (const name of trials.length > 0 ? Object.keys(trials[0].values) : []) {
+    const values = trials.map((trial) => trial.values[name]), final = result.parameters[name].value;
+    const beyond = (side, sign) => trials.map((trial, i) => sign * ((trial[side][name] ?? values[i]) - values[i]));
+    plot(add(), [{type: 'scatter', mode: 'lines', x: ends, y: [final, final], hoverinfo: 'skip',
+      line: {color: COLOURS.interval, width: 1.5, dash: 'dash'}},
+    {type: 'scatter', mode: 'lines+markers', x: memories, y: values, line: {color: COLOURS.estimate, width: 1.5},
+      marker: {size: 7}, error_y: {type: 'data', symmetric: false, array: beyond('upper95', 1),
+        arrayminus: beyond('lower95', -1), color: COLOURS.estimate, thickness: 1.2},
+      hovertemplate: '%{y:.6g} with %{x:.3g} s<extra></extra>'}], {x: axis, y: {nticks: 6}, margin: {t: 28},
+      ...heading(name)});
+  }
+  if (ahead.length === 0) return;
+  const leads = ahead.map(({lead_s: lead}) => lead);
+  plotOverTime(add(), leads, [[inMillimetres(ahead.map(({rmse_m: rmse}) => rmse)), 'predicted', COLOURS.estimate],
+    [inMillimetres(ahead.map(({still_rmse_m: still}) => still)), 'a cloth at rest', COLOURS.start]], 'mm',
+  {title: 'error, mm', rangemode: 'tozero'});
+}

@@ -6,7 +6,7 @@ function makeControls() {
   part('recording-label').hidden = data.recordings.length < 2;
   part('scale-bar').style.background = `linear-gradient(to right, ${SCALE.map((c) => `rgb(${c})`).join(', ')})`;
   part('recording').addEventListener('change', (event) => select(Number(event.target.value)));
-  for (const id of ['view', 'error-colours']) part(id).addEventListener('change', setLabels);
+  for (const id of ['view', 'error-colours', 'force-colours']) part(id).addEventListener('change', setLabels);
   part('convergence-axis').addEventListener('change', drawConvergence);
   part('licences-details').addEventListener('toggle', () => {
     part('licences-shown').textContent = part('licences').textContent;
@@ -21,6 +21,7 @@ fillProvenance();
 makeControls();
 drawConvergence();
 drawProfiles();
+drawMemories();
 makePlayer(0.5);
 setLabels();
 select(0);

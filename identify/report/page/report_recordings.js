@@ -6,7 +6,9 @@ function frameShown(frame) {
   part('time').textContent = `${times[frame].toFixed(3)} s, frame ${frame + 1} of ${frames}`;
 }
 
-const drawOptions = () => ({sideBySide: part('view').value === 'side', withErrors: part('error-colours').checked});
+const hasForce = () => Boolean(state.replay && state.replay.missingForce && state.replay.hasNodes);
+const drawOptions = () => ({sideBySide: part('view').value === 'side', withErrors: part('error-colours').checked,
+  withForce: hasForce() && part('force-colours').checked});
 
 function setLabels() {
   const dot = (name) => swatch(`var(--${name})`);
@@ -14,7 +16,12 @@ function setLabels() {
   part('label-left').replaceChildren(...(isSide ? [dot('recorded'), 'recorded']
     : [dot('recorded'), 'recorded', dot('predicted'), 'predicted']));
   part('label-right').replaceChildren(...(isSide ? [dot('predicted'), 'predicted'] : []));
-  part('scale').hidden = !part('error-colours').checked;
+  const {withErrors, withForce} = drawOptions();
+  part('scale').hidden = !withErrors && !withForce;
+  if (state.replay) {
+    part('scale-end').textContent = withForce ? `${number(state.replay.largest_force, 3)} N/m²`
+      : millimetres(state.replay.largest_error);
+  }
   redraw();
 }
 
@@ -49,11 +56,12 @@ async function showRecording(index) {
   if (state.wanted !== index) return;
   showErrors(replay);
   narrow.onchange = () => showErrors(replay);
-  part('scale-end').textContent = millimetres(replay.largest_error);
   const hasLines = !replay.points_are_nodes && replay.hasNodes;
   fillNotes(replay, hasLines ? ['Lines lead from recorded points to where they are predicted.'] : []);
   // report.html#frame=40 opens there.
   loadReplay(replay, Number((/^#frame=(\d+)$/.exec(location.hash) || [])[1] || 1) - 1);
+  part('force-colours-label').hidden = !hasForce();
+  setLabels();
 }
 
 function select(index) {

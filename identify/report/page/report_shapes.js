@@ -180,13 +180,15 @@ function errorColour(share) {
   return [0, 1, 2].map((k) => (SCALE[i][k] + (x - i) * (SCALE[i + 1][k] - SCALE[i][k])) / 255);
 }
 
-function errorColours(replay, frame) {
-  const colours = new Float32Array(3 * replay.points);
-  for (let p = 0; p < replay.points; ++p) {
-    colours.set(errorColour(replay.errors[frame * replay.points + p] / (replay.largest_error || 1)), 3 * p);
-  }
+function coloursOf(values, count, frame, largest) {
+  const colours = new Float32Array(3 * count);
+  for (let p = 0; p < count; ++p) colours.set(errorColour(values[frame * count + p] / (largest || 1)), 3 * p);
   return colours;
 }
+
+const errorColours = (replay, frame) => coloursOf(replay.errors, replay.points, frame, replay.largest_error);
+const forceColours = (replay, frame) =>
+  coloursOf(replay.missingForce, replay.node_count, frame, replay.largest_force);
 
 function uniformColours(count, colour) {
   const colours = new Float32Array(3 * count);

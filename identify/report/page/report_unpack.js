@@ -47,6 +47,7 @@ async function unpackReplay(replay) {
   made.handleLines = linesOfHandles(made);
   made.startGrid = await grid(replay.start, replay.node_count);
   if (replay.errors) made.errors = await unpackErrors(replay.errors, replay.largest_error);
+  if (replay.missing_force) made.missingForce = await unpackErrors(replay.missing_force, replay.largest_force);
   made.faces = new Int32Array((await unpackBytes(replay.face_list)).buffer);
   made.edges = edgesOf(made.faces);
   made.shapes = [];

@@ -148,11 +148,12 @@ function makeViewer(canvas, brush = makeBrush(canvas)) {
 
   const allPoints = () => Array.from({length: replay.points}, (_, p) => p);
 
-  function drawPredicted(frame, withErrors) {
+  function drawPredicted(frame, withErrors, withForce) {
     const nodes = positionsAt(replay, replay.nodesGrid, frame);
     if (replay.hasNodes) {
-      const colours = withErrors && replay.points_are_nodes ? errorColours(replay, frame)
-        : uniformColours(nodes.length / 3, PREDICTED);
+      const colours = withForce ? forceColours(replay, frame)
+        : withErrors && replay.points_are_nodes ? errorColours(replay, frame)
+          : uniformColours(nodes.length / 3, PREDICTED);
       drawCloth(nodes, replay.faces, colours);
       drawEdges(nodes, HANDLE, 0.16);
       const handles = replay.handles.filter((node) => node < replay.node_count);
@@ -293,7 +294,7 @@ function makeViewer(canvas, brush = makeBrush(canvas)) {
       shift = add(add(shift, side, -scale * dx), above, scale * dy);
     },
     zoom(factor) { distance = Math.min(Math.max(distance * factor, 0.2 * radius), 30 * radius); },
-    draw(frame, {sideBySide, withErrors, withStart}) {
+    draw(frame, {sideBySide, withErrors, withForce, withStart}) {
       const ratio = window.devicePixelRatio || 1;
       const width = Math.round(canvas.clientWidth * ratio), height = Math.round(canvas.clientHeight * ratio);
       for (const own of new Set([surface, canvas])) {
@@ -304,12 +305,12 @@ function makeViewer(canvas, brush = makeBrush(canvas)) {
       if (sideBySide) {
         const half = Math.floor(width / 2);
         drawView(0, half, frame, () => drawRecordedAlone(frame));
-        drawView(half, width - half, frame, () => drawPredicted(frame, withErrors));
+        drawView(half, width - half, frame, () => drawPredicted(frame, withErrors, withForce));
         return;
       }
       drawView(0, width, frame, () => {
         if (replay.hasPrediction) {
-          drawPredicted(frame, withErrors);
+          drawPredicted(frame, withErrors, withForce);
           drawRecordedOver(frame, withErrors);
         } else {
           drawRecordedAlone(frame);

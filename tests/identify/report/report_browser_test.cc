@@ -141,6 +141,40 @@ TEST_F(ReportBrowserTest, LooksInEveryWay) {
   ExpectPeace();
 }
 
+TEST_F(ReportBrowserTest, ShowsTheForceThatIsMissing) {
+  const auto is_hidden = [&](const std::string& id) {
+    return browser().Evaluate("document.getElementById('" + id + "').hidden");
+  };
+  EXPECT_EQ(is_hidden("force-colours-label"), true) << "nothing corrected these rollouts";
+  browser().Evaluate(
+      "(() => { const {replay} = state; part('force-colours-label').hidden = false; replay.largest_force = 2; "
+      "replay.missingForce = "
+      "Float32Array.from({length: replay.frames * replay.node_count}, (_, i) => 2 * (i % 64) / 63); })()");
+  const Look before = LookAtReplay();
+  browser().Click("force-colours");
+  EXPECT_NE(LookAtReplay().picture, before.picture);
+  EXPECT_EQ(is_hidden("scale"), false);
+  EXPECT_EQ(Text("scale-end"), "2 N/m²");
+  browser().Click("force-colours");
+  EXPECT_EQ(LookAtReplay().picture, before.picture);
+  ExpectPeace();
+}
+
+TEST_F(ReportBrowserTest, DrawsEstimatesAgainstTheirMemory) {
+  const std::string card = "document.getElementById('memories-card')";
+  EXPECT_EQ(browser().Evaluate(card + ".hidden"), true);
+  browser().Evaluate(
+      "(() => { const value = (v) => ({k_stretch: v, mu: null}); result.assimilation = {"
+      "trials: [[0.02, 90], [0.06, 100]].map(([memory_s, v]) => ({memory_s, values: value(v), "
+      "lower95: value(v - 5), upper95: value(v + 5)})), lead_times: [{lead_s: 0.1, rmse_m: 0.001, "
+      "still_rmse_m: 0.02}, {lead_s: 0.2, rmse_m: 0.002, still_rmse_m: 0.03}]}; drawMemories(); })()");
+  EXPECT_EQ(browser().Evaluate(card + ".hidden"), false);
+  EXPECT_EQ(browser().Evaluate(card + ".querySelectorAll('.plot .main-svg').length > 0"), true);
+  EXPECT_EQ(browser().Evaluate("document.querySelectorAll('#memories > .plot').length"), 3) << "and lead times";
+  EXPECT_EQ(browser().Evaluate("document.querySelector('#memories .plot').data[1].error_y.array[0]"), 5);
+  ExpectPeace();
+}
+
 // Seen from above and from below, a cloth is of its colour in the legend.
 TEST_F(ReportBrowserTest, ClothHasTheColourOfTheLegend) {
   browser().Evaluate("(part('view').value = 'side', setLabels(), state.replay.obstacles = [], showFrame(5))");
