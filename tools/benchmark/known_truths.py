@@ -25,19 +25,45 @@ def finer_mesh(scene):
     return {**scene, "mesh": {"grid": grid}, "handles": np.flatnonzero(fine).tolist()}
 
 
-def simulated(scene, truth, steps=1, levels=0):
+def simulated(scene, truth, steps=1, levels=0, all_nodes=False):
     """Positions (T, N, 3) m of the scene's nodes at the scene's steps, of a rollout with `steps` times as many steps on
-    a mesh that was refined `levels` times."""
+    a mesh that was refined `levels` times; of all nodes of that mesh with `all_nodes`."""
     fine = {**scene, "time_step": scene["time_step"] / steps}
     for _ in range(levels):
         fine = finer_mesh(fine)
     frames = np.asarray(clothid.Rollout(fine, truth).positions)[::steps]
-    if levels == 0:
+    if levels == 0 or all_nodes:
         return frames
     columns, rows = fine["mesh"]["grid"]["nodes"]
     stride = 2**levels
     grid = frames.reshape(len(frames), rows, columns, 3)[:, ::stride, ::stride]
     return grid.reshape(len(frames), -1, 3)
+
+
+def clouds_on(frames, columns, count, noise, generator):
+    """A list of (3, count) arrays, m: points anywhere on the triangles of a grid whose nodes (T, N, 3) have as many
+    columns, each of the same chance, with noise of `noise` m on every coordinate."""
+    nodes = np.arange(frames.shape[1]).reshape(-1, columns)
+    a, b, c, d = (part.ravel() for part in (nodes[:-1, :-1], nodes[:-1, 1:], nodes[1:, :-1], nodes[1:, 1:]))
+    triangles = np.concatenate([np.stack([a, b, d], axis=1), np.stack([a, d, c], axis=1)])
+    clouds = []
+    for frame in frames:
+        corners = frame[triangles[generator.integers(len(triangles), size=count)]]
+        first = 1 - np.sqrt(generator.uniform(size=(count, 1)))
+        second = (1 - first) * generator.uniform(size=(count, 1))
+        points = first * corners[:, 0] + second * corners[:, 1] + (1 - first - second) * corners[:, 2]
+        clouds.append((points + noise * generator.normal(size=points.shape)).T)
+    return clouds
+
+
+def seen_as_clouds(motion, clouds, sigma):
+    """The recording with `clouds`, (3, M) m a frame, in place of its points."""
+    state = motion.__getstate__()
+    state.update(clouds=clouds, cloud_sigma=sigma, positions=np.zeros((0, len(clouds))), sigma=np.zeros(0),
+                 node_index=np.zeros(0, dtype=np.int32))
+    seen = clothid.Motion.__new__(clothid.Motion)
+    seen.__setstate__(state)
+    return seen
 
 
 def fit(motion, names, start, **options):
