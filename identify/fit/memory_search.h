@@ -1,5 +1,7 @@
 // The memory of rollouts that the recordings correct, and the fit with it: the trials of
-// identify/problem/memory_trial.h and what follows from them. Internal to identify/fit.
+// identify/problem/memory_trial.h and what follows from them. A memory whose rollouts amplify changes without bound, so
+// that a unit of a coordinate moves what is measured by more than a hundred times the cloth, does not serve, and trials
+// do not begin at the end of the first fit where that is so there. Internal to identify/fit.
 #ifndef CLOTHID_IDENTIFY_FIT_MEMORY_SEARCH_H_
 #define CLOTHID_IDENTIFY_FIT_MEMORY_SEARCH_H_
 
