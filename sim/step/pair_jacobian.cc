@@ -177,7 +177,11 @@ BlockMatrix PairJacobian::AugmentedMatrix() const {
 
 bool PairJacobian::Factor() {
   factor_.reset();  // first, so that its memory can be used again
-  if (pattern_ == nullptr || !pattern_->Covers(cliques_)) {
+  std::vector<std::array<int, 4>> closed;
+  for (std::size_t c = 0; c < pairs_.size(); ++c) {
+    if (pairs_[c].branch != ContactBranch::kTakeOff) closed.push_back(blocks_[c]);
+  }
+  if (pattern_ == nullptr || !pattern_->Covers(closed)) {
     const ScopedTimer timer(&shared_.seconds().factorization);
     pattern_ = std::make_shared<const WidePattern>(*model_.pattern(), cliques_);
   }

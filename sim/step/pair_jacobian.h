@@ -49,8 +49,8 @@ class PairJacobian {
                 const std::vector<double>& friction_coefficients, const std::vector<PairContact>& pairs,
                 double self_friction);
 
-  // Makes the factor of the point, in the order of the factor at hand or before, unless that lacks a pair. False where
-  // M is not positive definite.
+  // Makes the factor of the point, in the order of the factor at hand or before, or, where that lacks a pair in contact,
+  // in a new one that covers all candidates. False where M is not positive definite.
   bool Factor();
   // The factor that solves use, which has a pattern of its own: of the last Factor, whatever the point was, or the last
   // one given. Null: none.

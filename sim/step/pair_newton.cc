@@ -7,7 +7,11 @@
 namespace clothid {
 namespace {
 
-constexpr int kSweptPairIterations = 6;   // with sweeps over the contacts with obstacles
+constexpr int kSweptPairIterations = 6;   // with sweeps over the contacts with obstacles, ...
+constexpr int kSweptSettled = 8;          // ... and so many that are settled
+constexpr double kSettledShare = 0.1;     // of |Phi|, below which |R| is small
+constexpr double kDecrease = 1e-4;        // Armijo
+constexpr int kSearchHalvings = 14;       // of the length in a line search
 constexpr int kIdleIterations = 3;        // without progress: a cycle of branches, which shorter steps leave, ...
 constexpr double kShortestLength = 0.2;   // ... from a half to about this
 constexpr double kProgressOfMerit = 0.9;  // of the lowest one: progress
@@ -31,6 +35,16 @@ double Merit(const StepProblem& problem, const StepPoint& point) {
     merit += point.pairs->residuals.col(static_cast<Eigen::Index>(c)).squaredNorm() / problem.pairs()[c].weight;
   }
   return merit;
+}
+
+bool IsSettled(const StepPoint& point) {
+  return point.pairs->residuals.norm() <= kSettledShare * point.residual.norm();
+}
+
+bool PairsDiffer(const StepPoint& a, const StepPoint& b) {
+  const auto &r = a.pairs->responses, &s = b.pairs->responses;
+  return !std::equal(r.begin(), r.end(), s.begin(), s.end(),
+                     [](const auto& x, const auto& y) { return x.branch == y.branch; });
 }
 
 }  // namespace
@@ -76,14 +90,19 @@ bool PairNewton::Solve(const StepProblem& problem, double tolerance, StepPoint* 
   const auto is_solved = [&] { return point->relative_residual <= std::max(tolerance, problem.RoundingFloor(*point)); };
   const int most = std::min(kMostPairIterations, model_.scene().solver.max_newton_iterations);
   double length = 1.0, best = std::numeric_limits<double>::infinity();
-  for (int iteration = 0, idle = 0; iteration < most && !is_solved(); ++iteration) {
+  is_settled_ = false;
+  for (int iteration = 0, idle = 0, num_settled = 0; iteration < most && !is_solved(); ++iteration) {
     ++counts->newton_iterations;
     const double merit = Merit(problem, *point);
     idle = merit < kProgressOfMerit * best ? 0 : idle + 1;
     best = std::min(best, merit);
     if (idle == 0) length = std::min(1.0, 2.0 * length);
     if (idle > 0 && idle % kIdleIterations == 0) length = length > kShortestLength ? 0.5 * length : 1.0;
-    if (!Iterate(problem, tolerance, length, iteration < kSweptPairIterations, point, counts)) break;
+    const double forcing = std::max(kPairForcing, kPairGoalShare * tolerance / point->relative_residual);
+    num_settled += is_settled_ ? 1 : 0;
+    const bool is_swept = is_settled_ ? num_settled <= kSweptSettled : iteration < kSweptPairIterations;
+    if (!Iterate(problem, std::min(forcing, kPairLoosest), length, is_swept, point, counts)) break;
+    is_settled_ = IsSettled(*point) && !PairsDiffer(*point, trial_);  // after an iteration, the point before it
   }
   if (is_solved()) Keep(problem, *point);
   return is_solved();
@@ -128,36 +147,63 @@ bool PairNewton::SolveWithNewFactor(const StepProblem& problem, double forcing, 
   return false;
 }
 
-bool PairNewton::FindDirection(const StepProblem& problem, double tolerance, const StepPoint& point, bool is_swept,
-                               RolloutCounts* counts, Eigen::VectorXd* velocities, Eigen::Matrix3Xd* impulses) {
-  const double forcing = std::max(kPairForcing, kPairGoalShare * tolerance / point.relative_residual);
-  Eigen::MatrixXd dv, dr;
-  if (!SolveLinearized(problem, std::min(forcing, kPairLoosest), point, counts, &dv, &dr)) return false;
-  *velocities = dv;
-  if (is_swept && problem.may_touch()) {
-    const ScopedTimer timer(&seconds_.contact);
-    const Eigen::VectorXd impulse = jacobian_.Spread(dr);
-    sweeps_.Correct(problem, hessian_, point, forcing, velocities, &impulse);
-  }
-  *impulses = dr.reshaped(3, impulses->cols());
-  return true;
+Eigen::VectorXd PairNewton::Swept(const StepProblem& problem, double forcing, const StepPoint& point,
+                                  const Eigen::VectorXd& dv, const Eigen::MatrixXd& dr) {
+  const ScopedTimer timer(&seconds_.contact);
+  const Eigen::VectorXd impulse = jacobian_.Spread(dr);
+  Eigen::VectorXd corrected = dv;
+  sweeps_.Correct(problem, hessian_, point, forcing, &corrected, &impulse);
+  return corrected;
 }
 
-bool PairNewton::Iterate(const StepProblem& problem, double tolerance, double length, bool is_swept, StepPoint* point,
-                         RolloutCounts* counts) {
-  Eigen::VectorXd velocities;
-  Eigen::Matrix3Xd impulses = point->pairs->impulses;
-  if (!FindDirection(problem, tolerance, *point, is_swept, counts, &velocities, &impulses)) return false;
-  const double merit = Merit(problem, *point);
+void PairNewton::Try(const StepProblem& problem, const StepPoint& point, const Eigen::VectorXd& dv,
+                     const Eigen::Matrix3Xd& dr, double length) {
   if (!trial_.pairs) trial_.pairs.emplace();
+  trial_.pairs->impulses = point.pairs->impulses + length * dr;
+  Evaluate(problem, point.velocities + length * dv, &trial_);
+}
+
+bool PairNewton::LineSearch(const StepProblem& problem, const Eigen::VectorXd& dv, const Eigen::Matrix3Xd& dr,
+                            double length, StepPoint* point) {
+  const double merit = Merit(problem, *point), held = problem.HeldPotential(*point, point->velocities);
+  const double gap = point->pairs->residuals.norm();
+  const Eigen::VectorXd gradient = point->momentum_gradient + jacobian_.Spread(point->pairs->impulses.reshaped());
+  for (int halving = 0; halving < kSearchHalvings; ++halving, length *= 0.5) {
+    Try(problem, *point, dv, dr, length);
+    if (!std::isfinite(trial_.relative_residual)) continue;
+    const double held_change = problem.HeldPotential(*point, trial_.velocities) - held;
+    const double slope = length * gradient.dot(dv) + held_change;
+    const bool potential_falls = slope < 0.0 && trial_.potential - point->potential + held_change <= kDecrease * slope;
+    const bool stays = IsSettled(trial_) || trial_.pairs->residuals.norm() <= 2.0 * gap;
+    if (Merit(problem, trial_) > (1.0 - kDecrease * length) * merit && !(potential_falls && stays)) continue;
+    std::swap(*point, trial_);
+    return true;
+  }
+  return false;
+}
+
+bool PairNewton::Explore(const StepProblem& problem, const Eigen::VectorXd& dv, const Eigen::Matrix3Xd& dr,
+                         double length, StepPoint* point) {
+  const double merit = Merit(problem, *point);
   for (int halving = 0; halving < kMeritHalvings; ++halving, length *= 0.5) {
-    trial_.pairs->impulses = point->pairs->impulses + length * impulses;
-    Evaluate(problem, point->velocities + length * velocities, &trial_);
+    Try(problem, *point, dv, dr, length);
     if (!std::isfinite(trial_.relative_residual) || Merit(problem, trial_) > kExplosion * merit) continue;
     std::swap(*point, trial_);
     return true;
   }
   return false;
+}
+
+bool PairNewton::Iterate(const StepProblem& problem, double forcing, double length, bool is_swept, StepPoint* point,
+                         RolloutCounts* counts) {
+  Eigen::MatrixXd dv, dr;
+  if (!SolveLinearized(problem, forcing, *point, counts, &dv, &dr)) return false;
+  const Eigen::Matrix3Xd impulses = dr.reshaped(3, point->pairs->impulses.cols());
+  Eigen::VectorXd velocities = dv;
+  if (is_swept && problem.may_touch()) velocities = Swept(problem, forcing, *point, velocities, dr);
+  if (!is_settled_) return Explore(problem, velocities, impulses, length, point);
+  return LineSearch(problem, velocities, impulses, length, point) || LineSearch(problem, dv, impulses, length, point) ||
+         Explore(problem, dv, impulses, length, point);
 }
 
 void PairNewton::Refine(const StepProblem& problem, double tolerance, StepPoint* point, RolloutCounts* counts) {

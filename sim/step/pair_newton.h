@@ -1,8 +1,10 @@
 // The solver of a step whose cloth may touch itself: semismooth Newton on (v, r).
 //
-// The residual rises on the way of a Newton iteration that changes branches, so iterations are taken whole unless the
+// The residual rises on the way of an iteration that changes branches of pairs, so these are taken whole unless the
 // merit |Phi|^2/P + sum |R|^2/d explodes. Where it has not fallen for three of them, branches go in a circle, and
-// shorter steps lead out of it.
+// shorter steps lead out of it. Once pairs stay on their branches and |R| is small beside |Phi|, obstacles and the
+// cloth are what is left to solve: a line search then takes the first length at which the merit falls, or the potential
+// at the normal impulses of the point (StepProblem::HeldPotential).
 #ifndef CLOTHID_SIM_STEP_PAIR_NEWTON_H_
 #define CLOTHID_SIM_STEP_PAIR_NEWTON_H_
 
@@ -41,11 +43,21 @@ class PairNewton {
   // r of the pairs from the step before, where they were in contact.
   Eigen::Matrix3Xd WarmStart(const StepProblem& problem) const;
   void Keep(const StepProblem& problem, const StepPoint& point);
-  // `is_swept`: with ContactSweeps at the obstacles.
-  bool Iterate(const StepProblem& problem, double tolerance, double length, bool is_swept, StepPoint* point,
+  // An iteration along the direction of the linear system, solved to `forcing`, and, `is_swept`, ContactSweeps at the
+  // obstacles.
+  bool Iterate(const StepProblem& problem, double forcing, double length, bool is_swept, StepPoint* point,
                RolloutCounts* counts);
-  bool FindDirection(const StepProblem& problem, double tolerance, const StepPoint& point, bool is_swept,
-                     RolloutCounts* counts, Eigen::VectorXd* velocities, Eigen::Matrix3Xd* impulses);
+  // The direction as sweeps correct it, at the impulses `dr` that it ends at.
+  Eigen::VectorXd Swept(const StepProblem& problem, double forcing, const StepPoint& point, const Eigen::VectorXd& dv,
+                        const Eigen::MatrixXd& dr);
+  // The first length at which the merit or the potential falls; false: none.
+  bool LineSearch(const StepProblem& problem, const Eigen::VectorXd& dv, const Eigen::Matrix3Xd& dr, double length,
+                  StepPoint* point);
+  // The first length at which the merit does not explode.
+  bool Explore(const StepProblem& problem, const Eigen::VectorXd& dv, const Eigen::Matrix3Xd& dr, double length,
+               StepPoint* point);
+  void Try(const StepProblem& problem, const StepPoint& point, const Eigen::VectorXd& dv, const Eigen::Matrix3Xd& dr,
+           double length);  // trial_
   void Evaluate(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point);
   // (dv, dr) with the factor at hand where that serves, else with one of the point.
   bool SolveLinearized(const StepProblem& problem, double forcing, const StepPoint& point, RolloutCounts* counts,
@@ -64,6 +76,7 @@ class PairNewton {
   ContactSweeps sweeps_;
   std::map<PairFeatures, Eigen::Vector3d> impulses_;  // of the last step, over its size, N
   double iterations_per_digit_ = 0.0;                 // of solves with the factor at hand, as far as is known
+  bool is_settled_ = false;                           // pairs have stayed on their branches and R is small
   StepPoint trial_;                                   // kept for its memory
 };
 

@@ -17,6 +17,10 @@ Eigen::Vector3d ObstacleGain(const std::vector<ObstacleMotion>& motions, const C
   return motions[candidate.obstacle].Near(position).velocity_change().At(position);
 }
 
+double TangentialSpeed(const Eigen::Vector3d& velocity, const Eigen::Vector3d& normal) {
+  return (velocity - normal.dot(velocity) * normal).norm();
+}
+
 }  // namespace
 
 // d_j = P_jj of P = M + h c_d diag(a) + h^2 (k L + k_b Q + Q_s) + h eta L.
@@ -270,6 +274,25 @@ double StepProblem::WeighedSquare(const Eigen::VectorXd& vector) const {
   double sum = 0.0;
   for (int i = 0; i < model_.num_free(); ++i) sum += vector.segment<3>(3 * i).squaredNorm() / work_.weights[i];
   return sum;
+}
+
+double StepProblem::HeldPotential(const StepPoint& lagged, const Eigen::VectorXd& velocities) const {
+  double potential = 0.0;
+  for (size_t i = 0; i < candidates().size(); ++i) {
+    const int index = static_cast<int>(i);
+    const double normal_impulse = std::max(0.0, -lagged.responses[i].normal_force);
+    if (normal_impulse == 0.0) continue;
+    const Eigen::Vector3d velocity = velocities.segment<3>(3 * free_block(index));
+    potential += friction_coefficient(index) * normal_impulse * TangentialSpeed(velocity, candidates()[i].normal);
+  }
+  for (size_t c = 0; c < pairs().size(); ++c) {
+    const double normal_impulse = std::max(0.0, -lagged.pairs->responses[c].normal_force);
+    if (normal_impulse == 0.0) continue;
+    const Eigen::Vector3d &n = pairs()[c].geometry.normal, velocity = pairs()[c].RelativeVelocity(velocities);
+    const double friction = pairs()[c].FrictionOf(self_friction());
+    potential += normal_impulse * (friction * TangentialSpeed(velocity, n) - n.dot(velocity));
+  }
+  return potential;
 }
 
 void StepProblem::ClipToFeasible(Eigen::VectorXd* velocities) const {

@@ -142,6 +142,10 @@ class StepProblem {
   // sum |v_i|^2/d_i of a vector over the free nodes.
   double WeighedSquare(const Eigen::VectorXd& vector) const;
 
+  // What is added to the potential where normal impulses r_N are held as at `lagged`: friction mu r_N |u_T| at obstacles
+  // and pairs, less the work r_N n . u of pairs. A step minimises the sum of both.
+  double HeldPotential(const StepPoint& lagged, const Eigen::VectorXd& velocities) const;
+
   // v_N <- max(v_N, V_N - gap_speed) at every candidate.
   void ClipToFeasible(Eigen::VectorXd* velocities) const;
 

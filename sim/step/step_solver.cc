@@ -64,23 +64,6 @@ class Progress {
   int idle_ = 0;                 // iterations
 };
 
-double TangentialSpeed(const ContactCandidate& candidate, const Eigen::Vector3d& velocity) {
-  return (velocity - candidate.normal.dot(velocity) * candidate.normal).norm();
-}
-
-// sum mu r_N |u_T| with r_N lagged at `lagged`: with the potential it is what a step minimises while r_N is held.
-double FrictionPotential(const StepProblem& problem, const StepPoint& lagged, const Eigen::VectorXd& velocities) {
-  double potential = 0.0;
-  for (size_t i = 0; i < problem.candidates().size(); ++i) {
-    const int index = static_cast<int>(i);
-    const double normal_impulse = std::max(0.0, -lagged.responses[i].normal_force);
-    if (normal_impulse == 0.0) continue;
-    potential += problem.friction_coefficient(index) * normal_impulse *
-                 TangentialSpeed(problem.candidates()[i], velocities.segment<3>(3 * problem.free_block(index)));
-  }
-  return potential;
-}
-
 }  // namespace
 
 StepSolver::StepSolver(const ClothModel& model)
@@ -262,14 +245,14 @@ bool StepSolver::DirectionByNewFactor(const Task& task, const std::vector<Contac
 bool StepSolver::LineSearch(const StepProblem& problem, const Eigen::VectorXd& direction, double first_length,
                             StepPoint* point) {
   const bool may_touch = problem.may_touch();
-  const double friction = may_touch ? FrictionPotential(problem, *point, point->velocities) : 0.0;
+  const double friction = may_touch ? problem.HeldPotential(*point, point->velocities) : 0.0;
   double length = first_length;
   for (int halving = 0; halving < kMaxHalvings; ++halving, length *= 0.5) {
     Eigen::VectorXd velocities = point->velocities + length * direction;
     if (may_touch) problem.ClipToFeasible(&velocities);
     Evaluate(problem, velocities, &trial_);
     if (!std::isfinite(trial_.relative_residual)) continue;
-    const double friction_change = may_touch ? FrictionPotential(problem, *point, velocities) - friction : 0.0;
+    const double friction_change = may_touch ? problem.HeldPotential(*point, velocities) - friction : 0.0;
     const double slope = point->momentum_gradient.dot(velocities - point->velocities) + friction_change;
     const double potential_change = trial_.potential - point->potential + friction_change;
     const bool residual_decreases =
