@@ -70,4 +70,15 @@ Eigen::MatrixXd HandleCorrection::Columns(const Alignment& alignment, const std:
   return columns;
 }
 
+Scene WithHandlePath(Scene scene) {
+  Handles& handles = scene.handles;
+  if (handles.nodes.empty() || handles.path.num_handles() > 0) return scene;
+  Eigen::VectorXd places(3 * static_cast<Eigen::Index>(handles.nodes.size()));
+  for (std::size_t i = 0; i < handles.nodes.size(); ++i) {
+    places.segment<3>(3 * static_cast<Eigen::Index>(i)) = scene.initial_positions.segment<3>(3 * handles.nodes[i]);
+  }
+  handles.path = HandlePath(Eigen::VectorXd::Constant(1, scene.start_time), places);
+  return scene;
+}
+
 }  // namespace clothid

@@ -17,6 +17,9 @@
 
 namespace clothid {
 
+// Handles that stand still have a path, too, as only a path can be corrected.
+Scene WithHandlePath(Scene scene);
+
 class HandleCorrection {
  public:
   // Of the H handles of `scene`, which have a path; `groups` [G] of them. `own_knots` s: those of an unknown start;

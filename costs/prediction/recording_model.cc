@@ -24,18 +24,6 @@ FrameInterpolation InterpolationFor(const RecordedMotion& motion, const BlockVal
                                 : FrameInterpolation(motion, time_offset->upper_bound);
 }
 
-// Handles that stand still have a path, too, as only a path can be corrected.
-Scene WithHandlePath(Scene scene) {
-  Handles& handles = scene.handles;
-  if (handles.nodes.empty() || handles.path.num_handles() > 0) return scene;
-  Eigen::VectorXd places(3 * static_cast<Eigen::Index>(handles.nodes.size()));
-  for (std::size_t i = 0; i < handles.nodes.size(); ++i) {
-    places.segment<3>(3 * static_cast<Eigen::Index>(i)) = scene.initial_positions.segment<3>(3 * handles.nodes[i]);
-  }
-  handles.path = HandlePath(Eigen::VectorXd::Constant(1, scene.start_time), places);
-  return scene;
-}
-
 // The scene whose material has every term that the fit will change.
 Scene SceneAtStart(Scene scene, const Parameters& start) {
   scene.SetMaterials(start);

@@ -95,4 +95,14 @@ Eigen::MatrixXd SmoothModes(const ClothModel& model, const std::vector<int>& fix
   return modes;
 }
 
+Eigen::MatrixXd AlongAxes(const Eigen::MatrixXd& modes) {
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(3 * modes.rows(), 3 * modes.cols());
+  for (Eigen::Index m = 0; m < modes.cols(); ++m) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (Eigen::Index node = 0; node < modes.rows(); ++node) columns(3 * node + axis, 3 * m + axis) = modes(node, m);
+    }
+  }
+  return columns;
+}
+
 }  // namespace clothid

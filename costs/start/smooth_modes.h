@@ -15,6 +15,9 @@ namespace clothid {
 // arguments give the same modes.
 Eigen::MatrixXd SmoothModes(const ClothModel& model, const std::vector<int>& fixed, int count);
 
+// Every mode [N x K] along every axis, those of one mode side by side: [3N x 3K].
+Eigen::MatrixXd AlongAxes(const Eigen::MatrixXd& modes);
+
 }  // namespace clothid
 
 #endif  // CLOTHID_COSTS_START_SMOOTH_MODES_H_

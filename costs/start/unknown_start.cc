@@ -36,17 +36,6 @@ Eigen::Index NumPatterns(Eigen::Index num_handles, Eigen::Index num_knots) {
   return std::clamp<Eigen::Index>(kMostOffsets / (3 * num_knots), 1, num_handles);
 }
 
-// Every mode along every axis: [3N x 3K].
-Eigen::MatrixXd AlongAxes(const Eigen::MatrixXd& modes) {
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(3 * modes.rows(), 3 * modes.cols());
-  for (Eigen::Index m = 0; m < modes.cols(); ++m) {
-    for (int axis = 0; axis < 3; ++axis) {
-      for (Eigen::Index node = 0; node < modes.rows(); ++node) columns(3 * node + axis, 3 * m + axis) = modes(node, m);
-    }
-  }
-  return columns;
-}
-
 // A quadratic form as 1/2 |rows (s - mean)|^2.
 struct PriorRoot {
   Eigen::MatrixXd rows;

@@ -14,6 +14,7 @@
 #define CLOTHID_IDENTIFY_CHECKS_CORRECTION_CHECK_H_
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "datasets/motion/recorded_motion.h"
@@ -50,6 +51,11 @@ struct CorrectionCheck {
 // where there is none, or the rollout of a recording failed or is too large to be kept.
 std::vector<CorrectionCheck> CheckCorrections(const std::vector<RecordedMotion>& motions, const FitProblem& problem,
                                               const FitSummary& summary, const RobustLoss& loss);
+
+// What lasts of it over the recordings: the root of the mean square of its size, the means of time and length. None
+// where nothing lasts in any of them.
+std::optional<LastingForce> MeanForce(const std::vector<LastingForce>& forces);
+std::optional<LastingForce> MeanForce(const std::vector<CorrectionCheck>& corrections);
 
 }  // namespace clothid
 

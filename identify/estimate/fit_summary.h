@@ -33,6 +33,7 @@ struct StartEstimate {
   int recording = 0;
   double moved = 0.0, position_std = 0.0;        // m: from the base (datasets/motion/start_state.h), and how sure
   double handles_moved = 0.0, handle_std = 0.0;  // m, at the start; 0 where their path was exact
+  double handle_interval = 0.0;                  // s, between knots of what they are off by; 0: that does not change
   // m: how far its first frame is from where it was seen, of a coordinate, beside the noise; and what handles are off,
   // in standard deviations of what was measured of them.
   double first_frame_error = 0.0, handle_error = 0.0;

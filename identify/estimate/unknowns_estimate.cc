@@ -37,6 +37,8 @@ StartEstimate EstimateOf(const UnknownStart& start, const Eigen::VectorXd& unkno
     const Spread handles = SpreadOf(directions.handle_offsets, unknowns, covariance);
     estimate.handles_moved = handles.size;
     estimate.handle_std = handles.std;
+    const Eigen::VectorXd& knots = start.handle_knots();
+    if (knots.size() > 1) estimate.handle_interval = knots[1] - knots[0];
   }
   if (directions.initial_velocities.cols() > 0) {
     const Spread velocities = SpreadOf(directions.initial_velocities, unknowns, covariance);

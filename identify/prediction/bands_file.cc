@@ -50,6 +50,19 @@ std::string PositionsBytes(const Prediction& prediction) {
   return NpyBytes(array);
 }
 
+std::string DerivedBytes(const DerivedBands& bands) {
+  const Eigen::Index num_rows = bands.quantiles[0].rows(), num_frames = bands.quantiles[0].cols();
+  NpyArray array;
+  array.shape = {static_cast<long long>(kBandQuantiles.size())};
+  if (bands.request.kind != DerivedKind::kSlip) array.shape.push_back(num_frames);
+  if (bands.request.kind == DerivedKind::kForce) array.shape.push_back(num_rows / 3);
+  if (bands.request.kind == DerivedKind::kForce || bands.request.kind == DerivedKind::kPoint) array.shape.push_back(3);
+  for (const Eigen::MatrixXd& quantile : bands.quantiles) {
+    array.values.insert(array.values.end(), quantile.reshaped().begin(), quantile.reshaped().end());
+  }
+  return NpyBytes(array);
+}
+
 }  // namespace
 
 std::string ArchiveBytes(const std::vector<std::pair<std::string, std::string>>& files) {
@@ -78,7 +91,7 @@ std::string ArchiveBytes(const std::vector<std::pair<std::string, std::string>>&
   return archive;
 }
 
-std::string BandsNpz(const Prediction& prediction, const Posterior& posterior) {
+std::string BandsNpz(const Prediction& prediction, const FitPosterior& posterior) {
   const Eigen::Map<const Eigen::VectorXd> quantiles(kBandQuantiles.data(), kBandQuantiles.size());
   std::vector<std::pair<std::string, std::string>> files = {
       {"times.npy", VectorBytes(prediction.times)},
@@ -88,10 +101,15 @@ std::string BandsNpz(const Prediction& prediction, const Posterior& posterior) {
       {"moved.npy", VectorBytes(prediction.moved)},
       {"share_parameters.npy", VectorBytes(prediction.shares.parameters)},
       {"share_finer.npy", VectorBytes(prediction.shares.finer)},
+      {"share_start.npy", VectorBytes(prediction.shares.start)},
+      {"share_handles.npy", VectorBytes(prediction.shares.handles)},
       {"share_rest.npy", VectorBytes(prediction.shares.rest)}};
   for (std::size_t i = 0; i < posterior.parameters.size(); ++i) {
     files.emplace_back("share_" + posterior.parameters[i].name + ".npy",
                        VectorBytes(prediction.shares.each.col(static_cast<Eigen::Index>(i))));
+  }
+  for (const DerivedBands& bands : prediction.derived) {
+    files.emplace_back(bands.request.name + ".npy", DerivedBytes(bands));
   }
   return ArchiveBytes(files);
 }

@@ -3,6 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <utility>
 
 #include "identify/base/cloth_laws.h"
 #include "identify/base/fitted_result.h"
@@ -49,21 +51,59 @@ bool IsOfOneRecording(const std::string& name) {
   return id && (IsOfRecording(id->kind) || IsWindKnot(*id));
 }
 
+// A parameter with what is told of its spread, in its own unit; NaN: nothing.
+struct ToldParameter {
+  PosteriorParameter parameter;
+  double std = std::nan(""), lower95 = std::nan(""), upper95 = std::nan("");
+};
+
 struct ToldSpread {
   double noise = std::nan(""), beside = 0.0;  // standard deviations of q; NaN: none is told
 };
 
-ToldSpread SpreadOf(const PosteriorParameter& parameter, const JsonNode& node, double quantile) {
-  const double std = ToldNumber(node, "std");
-  const double lower = ToldNumber(node, "lower95"), upper = ToldNumber(node, "upper95");
+ToldSpread SpreadOf(const ToldParameter& told, double quantile) {
   ToldSpread spread;
-  if (!(std >= 0.0) || !(lower < upper)) return spread;
+  if (!(told.std >= 0.0) || !(told.lower95 < told.upper95)) return spread;
+  const PosteriorParameter& parameter = told.parameter;
   const double q = parameter.ToCoordinate(parameter.value);
-  const double half_width = std::max(parameter.ToCoordinate(upper) - q, q - parameter.ToCoordinate(lower));
+  const double half_width =
+      std::max(parameter.ToCoordinate(told.upper95) - q, q - parameter.ToCoordinate(told.lower95));
   const double total = half_width / quantile;
-  spread.noise = std::min(total, parameter.scale == ParameterScale::kLog ? std / parameter.value : std);
+  spread.noise = std::min(total, parameter.scale == ParameterScale::kLog ? told.std / parameter.value : told.std);
   spread.beside = std::sqrt(std::max(0.0, total * total - spread.noise * spread.noise));
   return spread;
+}
+
+// The correlation of the noise of two parameters; NaN where none is told.
+using CorrelationOf = std::function<double(std::size_t i, std::size_t j)>;
+
+// Parameters, their covariance, and those that are held.
+void SetParameters(const std::vector<ToldParameter>& told, double quantile, const CorrelationOf& correlation_of,
+                   FitPosterior* posterior) {
+  std::vector<std::size_t> indices;
+  std::vector<ToldSpread> spreads;
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    const ToldSpread spread = SpreadOf(told[i], quantile);
+    if (std::isnan(spread.noise)) {
+      posterior->held[told[i].parameter.name] = told[i].parameter.value;
+      continue;
+    }
+    posterior->parameters.push_back(told[i].parameter);
+    indices.push_back(i);
+    spreads.push_back(spread);
+  }
+  const auto size = static_cast<Eigen::Index>(indices.size());
+  posterior->covariance.setZero(size, size);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    for (Eigen::Index j = 0; j < size; ++j) {
+      const auto row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(j);
+      const double correlation = i == j ? 1.0 : correlation_of(indices[row], indices[column]);
+      if (!std::isnan(correlation)) {
+        posterior->covariance(i, j) = spreads[row].noise * correlation * spreads[column].noise;
+      }
+    }
+    posterior->covariance(i, i) += std::pow(spreads[static_cast<std::size_t>(i)].beside, 2);
+  }
 }
 
 PosteriorParameter ReadParameter(const std::string& name, const JsonNode& node) {
@@ -79,70 +119,83 @@ PosteriorParameter ReadParameter(const std::string& name, const JsonNode& node) 
   return parameter;
 }
 
-// Of parameters `names`; 0 where none is told.
-Eigen::MatrixXd ReadCorrelation(const JsonNode& uncertainty, const std::vector<PosteriorParameter>& parameters) {
-  const JsonNode rows = uncertainty.Require("correlation", "an object");
-  const auto size = static_cast<Eigen::Index>(parameters.size());
-  Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(size, size);
-  for (Eigen::Index i = 0; i < size; ++i) {
-    const JsonNode row = rows.Require(parameters[static_cast<std::size_t>(i)].name, "an object");
-    for (Eigen::Index j = 0; j < size; ++j) {
-      const double told = ToldNumber(row, parameters[static_cast<std::size_t>(j)].name);
-      if (i != j && !std::isnan(told)) correlation(i, j) = told;
-    }
-  }
-  return correlation;
-}
-
-void ReadParameters(const JsonNode& root, Posterior* posterior) {
+void ReadParameters(const JsonNode& root, FitPosterior* posterior) {
   const JsonNode uncertainty = root.Require("uncertainty", "that of a fit with intervals");
   if (!uncertainty.is(JsonValue::Kind::kObject)) uncertainty.Fail("expected that of a fit with intervals");
   const auto widening = uncertainty.Find("widening");
   const double quantile = widening ? widening->Require("quantile95", "a number").PositiveNumber() : kNormal95;
   const JsonNode parameters = root.Require("parameters", "an object");
-  std::vector<double> noise, beside;
+  std::vector<ToldParameter> told;
   for (const std::string& name : parameters.keys()) {
     if (IsOfOneRecording(name)) {
       posterior->left_out.push_back(name);
       continue;
     }
     const JsonNode node = *parameters.Find(name);
-    const PosteriorParameter parameter = ReadParameter(name, node);
-    const ToldSpread spread = SpreadOf(parameter, node, quantile);
-    if (std::isnan(spread.noise)) {
-      posterior->held[name] = parameter.value;
-      continue;
-    }
-    posterior->parameters.push_back(parameter);
-    noise.push_back(spread.noise);
-    beside.push_back(spread.beside);
+    told.push_back(
+        {ReadParameter(name, node), ToldNumber(node, "std"), ToldNumber(node, "lower95"), ToldNumber(node, "upper95")});
   }
+  const JsonNode rows = uncertainty.Require("correlation", "an object");
+  const auto correlation_of = [&](std::size_t i, std::size_t j) {
+    return ToldNumber(rows.Require(told[i].parameter.name, "an object"), told[j].parameter.name);
+  };
+  SetParameters(told, quantile, correlation_of, posterior);
   if (posterior->parameters.empty()) parameters.Fail("expected one with an interval, 'lower95' to 'upper95'");
-  const auto size = static_cast<Eigen::Index>(noise.size());
-  const Eigen::Map<const Eigen::VectorXd> deviations(noise.data(), size), others(beside.data(), size);
-  const Eigen::MatrixXd correlation = ReadCorrelation(uncertainty, posterior->parameters);
-  posterior->covariance = deviations.asDiagonal() * correlation * deviations.asDiagonal();
-  posterior->covariance.diagonal() += others.cwiseAbs2();
 }
 
-// The mean over the recordings, of squares; none where no recording has told one that lasts.
 std::optional<LastingForce> ReadLastingForce(const JsonNode& root) {
   const auto assimilation = root.Find("assimilation");
   if (!assimilation) return std::nullopt;
-  LastingForce mean;
-  double num = 0.0;
+  std::vector<LastingForce> forces;
   for (const JsonNode& recording : assimilation->Require("recordings", "an array").items()) {
     const JsonNode force = recording.Require("missing_force", "an object");
-    const double size = ToldNumber(force, "deviation_N_m2"), time = ToldNumber(force, "time_s");
-    const double length = ToldNumber(force, "length_m");
-    if (!(size > 0.0) || !(time > 0.0) || !(length > 0.0)) continue;
-    mean.size += size * size;
-    mean.time += time;
-    mean.length += length;
-    num += 1.0;
+    forces.push_back({ToldNumber(force, "deviation_N_m2"), ToldNumber(force, "time_s"), ToldNumber(force, "length_m")});
   }
-  if (num == 0.0) return std::nullopt;
-  return LastingForce{std::sqrt(mean.size / num), mean.time / num, mean.length / num};
+  return MeanForce(forces);
+}
+
+// Where bands were calibrated.
+void ReadCalibration(const JsonNode& root, FitPosterior* posterior) {
+  const auto holdout = root.Find("holdout");
+  if (!holdout || holdout->is(JsonValue::Kind::kNull)) return;
+  const auto bands = holdout->Find("bands");
+  const auto calibration = bands ? bands->Find("calibration") : std::nullopt;
+  if (!calibration || !posterior->force) return;
+  posterior->force_factor = calibration->Require("force_factor", "a positive number").PositiveNumber();
+  posterior->force->size *= posterior->force_factor;
+}
+
+// The mean over recordings, of squares; none where no start was fitted.
+std::optional<LearntStart> MeanStart(const std::vector<LearntStart>& starts) {
+  if (starts.empty()) return std::nullopt;
+  LearntStart mean;
+  const auto num = static_cast<double>(starts.size());
+  for (const LearntStart& start : starts) {
+    mean.position += start.position * start.position / num;
+    mean.velocity += start.velocity * start.velocity / num;
+    mean.handles += start.handles * start.handles / num;
+    mean.handle_interval = std::max(mean.handle_interval, start.handle_interval);
+  }
+  for (double* square : {&mean.position, &mean.velocity, &mean.handles}) *square = std::sqrt(*square);
+  return mean;
+}
+
+std::optional<LearntStart> ReadStart(const JsonNode& root) {
+  const auto recordings = root.Find("recordings");
+  if (!recordings) return std::nullopt;
+  std::vector<LearntStart> starts;
+  for (const JsonNode& recording : recordings->items()) {
+    const auto start = recording.Find("start");
+    if (!start) continue;
+    const auto number = [&](const char* key) {
+      const double told = ToldNumber(*start, key);
+      return std::isnan(told) ? 0.0 : told;
+    };
+    starts.push_back({std::hypot(number("moved_m"), number("std_m")),
+                      std::hypot(number("speed_change_m_s"), number("velocity_std_m_s")),
+                      std::hypot(number("handles_moved_m"), number("handle_std_m")), number("handle_interval_s")});
+  }
+  return MeanStart(starts);
 }
 
 std::optional<std::string> ReadLaw(const JsonNode& root, const std::string& key) {
@@ -152,12 +205,12 @@ std::optional<std::string> ReadLaw(const JsonNode& root, const std::string& key)
   return law.is(JsonValue::Kind::kNull) ? std::nullopt : std::optional<std::string>(law.String());
 }
 
-[[noreturn]] void FailOnParameter(const Posterior& posterior, const std::string& name, const std::string& problem) {
+[[noreturn]] void FailOnParameter(const FitPosterior& posterior, const std::string& name, const std::string& problem) {
   throw Error(ErrorKind::kBadData, posterior.path + ": key 'parameters." + name + "': " + problem);
 }
 
 // Throws where the scene has no such parameter, or it means something else there.
-void ExpectParameter(const Scene& scene, const std::string& scene_name, const Posterior& posterior,
+void ExpectParameter(const Scene& scene, const std::string& scene_name, const FitPosterior& posterior,
                      const std::string& name) {
   const std::optional<ParameterId> id = FindParameter(name, scene.obstacle_names(), scene.mesh.piece_names);
   if (!id || !scene.has(*id)) FailOnParameter(posterior, name, "expected a parameter that " + scene_name + " has");
@@ -178,7 +231,7 @@ void ExpectParameter(const Scene& scene, const std::string& scene_name, const Po
 }
 
 // Takes row and column `index` out.
-void Erase(std::size_t index, Posterior* posterior) {
+void Erase(std::size_t index, FitPosterior* posterior) {
   posterior->parameters.erase(posterior->parameters.begin() + static_cast<std::ptrdiff_t>(index));
   std::vector<Eigen::Index> kept;
   for (Eigen::Index i = 0; i < posterior->covariance.rows(); ++i) {
@@ -195,21 +248,51 @@ double PosteriorParameter::ToValue(double coordinate) const {
   return std::clamp(scale == ParameterScale::kLog ? std::exp(coordinate) : coordinate, lower_bound, upper_bound);
 }
 
-Posterior ReadPosterior(const std::string& path) {
-  const JsonValue json = ParseJson(ReadText(path, kMaxJsonBytes), path);
+FitPosterior ReadPosterior(const std::string& path) { return ParsePosterior(ReadText(path, kMaxJsonBytes), path); }
+
+FitPosterior ParsePosterior(const std::string& text, const std::string& path) {
+  const JsonValue json = ParseJson(text, path);
   const JsonNode root(json, path);
   ExpectFit(root);
-  Posterior posterior;
+  FitPosterior posterior;
   posterior.path = path;
   posterior.warning = WarningOf(root);
   ReadParameters(root, &posterior);
   posterior.force = ReadLastingForce(root);
+  ReadCalibration(root, &posterior);
+  posterior.start = ReadStart(root);
   posterior.membrane = ReadLaw(root, "membrane");
   posterior.bending = ReadLaw(root, "bending");
   return posterior;
 }
 
-void FitToScene(const Scene& scene, const std::string& scene_name, Posterior* posterior) {
+FitPosterior PosteriorOf(const FitSummary& summary, const std::vector<CorrectionCheck>& corrections) {
+  FitPosterior posterior;
+  posterior.path = "the fit";
+  std::vector<ToldParameter> told;
+  for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
+    const FittedParameter& fitted = summary.parameters[i];
+    const ParameterUncertainty& known = summary.uncertainty->parameters[i];
+    told.push_back({{fitted.name, fitted.scale, fitted.value, fitted.lower_bound, fitted.upper_bound},
+                    known.std,
+                    known.lower95,
+                    known.upper95});
+  }
+  const auto correlation_of = [&](std::size_t i, std::size_t j) {
+    return summary.uncertainty->correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+  };
+  SetParameters(told, summary.uncertainty->quantile95, correlation_of, &posterior);
+  posterior.force = MeanForce(corrections);
+  std::vector<LearntStart> starts;
+  for (const StartEstimate& start : summary.starts) {
+    starts.push_back({std::hypot(start.moved, start.position_std), std::hypot(start.speed_change, start.velocity_std),
+                      std::hypot(start.handles_moved, start.handle_std), start.handle_interval});
+  }
+  posterior.start = MeanStart(starts);
+  return posterior;
+}
+
+void FitToScene(const Scene& scene, const std::string& scene_name, FitPosterior* posterior) {
   const auto is_idle = [&](const std::string& name) { return name == "mu" && scene.obstacles.empty(); };
   for (std::size_t i = 0; i < posterior->parameters.size();) {
     const std::string name = posterior->parameters[i].name;
@@ -227,7 +310,7 @@ void FitToScene(const Scene& scene, const std::string& scene_name, Posterior* po
   }
 }
 
-Eigen::MatrixXd DrawParameters(const Posterior& posterior, int num_draws, std::uint64_t seed) {
+Eigen::MatrixXd DrawParameters(const FitPosterior& posterior, int num_draws, std::uint64_t seed) {
   const auto size = static_cast<Eigen::Index>(posterior.parameters.size());
   Eigen::MatrixXd values(size, num_draws);
   if (size == 0) return values;

@@ -17,7 +17,9 @@
 #include <vector>
 
 #include "costs/prediction/parameter_block.h"
+#include "identify/checks/correction_check.h"
 #include "identify/checks/lasting_force.h"
+#include "identify/estimate/fit_summary.h"
 #include "sim/scene/scene.h"
 
 namespace clothid {
@@ -32,29 +34,46 @@ struct PosteriorParameter {
   double ToValue(double coordinate) const;  // cut at the bounds
 };
 
-struct Posterior {
+// How far recordings start from where they were taken to, as their fit has found: root mean squares, of a coordinate,
+// of what it moved and of what it is not sure of.
+struct LearntStart {
+  double position = 0.0, velocity = 0.0;  // m and m/s, of the free nodes
+  double handles = 0.0;                   // m, what the path of the handles is off by
+  double handle_interval = 0.0;           // s, in which that changes; 0: it does not
+};
+
+struct FitPosterior {
   std::string path;                            // for messages
   std::string warning;                         // the verdict of a fit that must not be used; empty: it may be
   std::vector<PosteriorParameter> parameters;  // [p] those with an interval
   Eigen::MatrixXd covariance;                  // [p x p] of q
   std::map<std::string, double> held;          // estimates without an interval: frozen, at a bound, not identifiable
   std::vector<std::string> left_out;           // of a recording alone, which say nothing of another scene
-  std::optional<LastingForce> force;           // none: the fit was not corrected, or its model lacks nothing
-  std::optional<std::string> membrane;         // the laws of the cloth, in the words of a scene; none: older results
-  std::optional<std::string> bending;          // likewise; none where it has no bending, too
+  // None: the fit was not corrected, or its model lacks nothing. With the factor of a calibration.
+  std::optional<LastingForce> force;
+  double force_factor = 1.0;            // that it has been multiplied by (identify/prediction/held_bands.h)
+  std::optional<LearntStart> start;     // none: starts and paths of handles counted as known
+  std::optional<std::string> membrane;  // the laws of the cloth, in the words of a scene; none: older results
+  std::optional<std::string> bending;   // likewise; none where it has no bending, too
 };
 
 // Throws `Error` (kIo, kBadData), naming file and key and what was expected, for a result that tells no intervals: of a
 // fit that failed, was interrupted, or of fields, which result.json does not hold.
-Posterior ReadPosterior(const std::string& path);
+FitPosterior ReadPosterior(const std::string& path);
+// The same of the text of one; `path` names it in errors.
+FitPosterior ParsePosterior(const std::string& text, const std::string& path);
+
+// That of a fit that has just ended, with an uncertainty, and of the corrections of its recordings, of which there may
+// be none. Unlike one that was read it has the parameters that belong to one recording, and leaves nothing out.
+FitPosterior PosteriorOf(const FitSummary& summary, const std::vector<CorrectionCheck>& corrections);
 
 // What `scene` has no use for is moved to `left_out`: friction where nothing is to be touched. Throws `Error`
 // (kBadData), naming file and key, where the scene has no such parameter or its cloth has other laws than the one that
 // was fitted. `scene_name`: for messages.
-void FitToScene(const Scene& scene, const std::string& scene_name, Posterior* posterior);
+void FitToScene(const Scene& scene, const std::string& scene_name, FitPosterior* posterior);
 
 // Values [p x D] of D clothes, in the parameters' own units: draw d depends on seed and d alone.
-Eigen::MatrixXd DrawParameters(const Posterior& posterior, int num_draws, std::uint64_t seed);
+Eigen::MatrixXd DrawParameters(const FitPosterior& posterior, int num_draws, std::uint64_t seed);
 
 }  // namespace clothid
 

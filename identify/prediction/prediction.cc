@@ -3,161 +3,17 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <memory>
+#include <utility>
 
 #include "datasets/formats/track_checks.h"
 #include "datasets/synthetic/synthetic.h"
 #include "identify/base/parallel_for.h"
-#include "identify/prediction/random_force.h"
 #include "identify/prediction/random_streams.h"
+#include "identify/prediction/sampler.h"
 #include "sim/base/error.h"
-#include "sim/rollout/rollout.h"
-#include "sim/rollout/simulator.h"
-#include "sim/scene/refinement.h"
 
 namespace clothid {
 namespace {
-
-// Of the steps of a rollout only frames are kept; the others are dropped so many at a time.
-constexpr int kDroppedSteps = 16;
-
-// The positions [3N x T] of a rollout in frames, or why there are none.
-struct Draw {
-  Eigen::MatrixXd positions;
-  std::string failure;
-};
-
-// The scene with true parameters, so that it has their terms, and they as a rollout takes them.
-struct DrawnScene {
-  Scene scene;
-  Parameters parameters;
-};
-
-DrawnScene SetDraw(const Scene& scene, const Posterior& posterior, const Eigen::VectorXd& values) {
-  std::map<std::string, double> named = posterior.held;
-  for (std::size_t i = 0; i < posterior.parameters.size(); ++i) {
-    named[posterior.parameters[i].name] = values[static_cast<Eigen::Index>(i)];
-  }
-  DrawnScene drawn = {scene, scene.nominal_parameters()};
-  for (const auto& [name, value] : named) SetParameter(ParseParameter(name, scene), value, &drawn.parameters);
-  drawn.scene.SetMaterials(drawn.parameters);
-  return drawn;
-}
-
-// `frame_steps` [T]: times of frames in steps. `force_of` may be empty.
-using ForceOf = std::function<std::shared_ptr<const Correction>(const ClothModel&)>;
-Draw RollOut(const DrawnScene& drawn, const Eigen::VectorXd& frame_steps, const std::atomic<bool>* cancel,
-             const ForceOf& force_of = {}) {
-  const std::string why = Indefinite(drawn.parameters, drawn.scene);
-  if (!why.empty()) return {{}, why};
-  Simulator simulator(drawn.scene);
-  simulator.UseParameters(drawn.parameters);
-  RolloutOptions options;
-  options.checkpoint_interval = kDroppedSteps;
-  if (force_of) options.correction = force_of(simulator.model());
-  Draw result;
-  result.positions.setZero(drawn.scene.initial_positions.size(), frame_steps.size());
-  Eigen::Index next = 0;
-  Eigen::VectorXd before;
-  options.visitor = [&](int step, const Eigen::VectorXd& positions) {
-    for (; next < frame_steps.size() && frame_steps[next] <= step; ++next) {
-      const double fraction = frame_steps[next] - (step - 1);
-      result.positions.col(next) =
-          step == 0 || fraction == 1.0 ? positions : (1.0 - fraction) * before + fraction * positions;
-    }
-    before = positions;
-  };
-  const Rollout rollout = Simulate(drawn.parameters, drawn.scene.num_steps(), &simulator, cancel, options);
-  if (!rollout.ok()) return {{}, rollout.failure->ToString()};
-  return result;
-}
-
-// What step and mesh of the scene do to it [3N x T]; empty: not known.
-struct FinerChanges {
-  Eigen::MatrixXd step, mesh;
-};
-
-// Rollouts of one scene, each on the thread that asks for it.
-class Sampler {
- public:
-  Sampler(const Scene& scene, const Posterior& posterior, const PredictionOptions& options)
-      : scene_(scene),
-        posterior_(posterior),
-        options_(options),
-        values_(DrawParameters(posterior, options.num_draws, options.seed)),
-        frame_steps_(FrameSteps(options.frame_rate, scene.time_step, scene.num_steps())) {
-    if (!options.with_force || !posterior.force) return;
-    const Simulator simulator(scene);
-    field_ = std::make_unique<SmoothField>(simulator.model(), posterior.force->length);
-  }
-
-  const Eigen::MatrixXd& values() const { return values_; }  // [p x D]
-  const Eigen::VectorXd& frame_steps() const { return frame_steps_; }
-  bool has_force() const { return field_ != nullptr; }
-
-  Draw Roll(int draw) const {
-    const DrawnScene drawn = SetDraw(scene_, posterior_, values_.col(draw));
-    if (!field_) return RollOut(drawn, frame_steps_, options_.cancel);
-    return RollOut(drawn, frame_steps_, options_.cancel, [&](const ClothModel& cloth) {
-      return std::make_shared<RandomForce>(*posterior_.force, *field_, cloth, drawn.parameters.material,
-                                           scene_.num_steps(), options_.seed, draw);
-    });
-  }
-
-  // Three rollouts side by side. `no_step`, `no_mesh`: why there is none.
-  FinerChanges RollFiner(std::string* no_step, std::string* no_mesh) const {
-    Draw own, step, mesh;
-    const auto roll = [&](int task) {
-      if (task == 0) step = options_.with_step ? RollHalfStep() : Draw();
-      if (task == 1) mesh = options_.with_mesh ? RollFineMesh() : Draw();
-      if (task == 2 && (options_.with_step || options_.with_mesh)) {
-        own = RollOut(SetDraw(scene_, posterior_, Estimates()), frame_steps_, options_.cancel);
-      }
-    };
-    ParallelFor(3, options_.num_threads, roll);
-    const auto change = [&](const Draw& finer, std::string* why_not) -> Eigen::MatrixXd {
-      *why_not = own.failure.empty() ? finer.failure : own.failure;
-      if (!why_not->empty() || finer.positions.size() == 0 || own.positions.size() == 0) return {};
-      return finer.positions.topRows(own.positions.rows()) - own.positions;
-    };
-    FinerChanges changes = {change(step, no_step), change(mesh, no_mesh)};
-    if (!options_.with_step) no_step->clear();
-    if (!options_.with_mesh) no_mesh->clear();
-    return changes;
-  }
-
- private:
-  Eigen::VectorXd Estimates() const {
-    Eigen::VectorXd values(static_cast<Eigen::Index>(posterior_.parameters.size()));
-    for (Eigen::Index i = 0; i < values.size(); ++i) {
-      values[i] = posterior_.parameters[static_cast<std::size_t>(i)].value;
-    }
-    return values;
-  }
-
-  Draw RollHalfStep() const {
-    DrawnScene drawn = SetDraw(scene_, posterior_, Estimates());
-    drawn.scene.time_step *= 0.5;
-    return RollOut(drawn, 2.0 * frame_steps_, options_.cancel);
-  }
-
-  Draw RollFineMesh() const {
-    try {
-      ExpectRefinable(scene_, "the mesh");
-    } catch (const Error& error) {
-      return {{}, error.what()};
-    }
-    const Scene fine = RefineScene(scene_, RefineMesh(scene_.mesh));
-    return RollOut(SetDraw(fine, posterior_, Estimates()), frame_steps_, options_.cancel);
-  }
-
-  const Scene& scene_;
-  const Posterior& posterior_;
-  const PredictionOptions& options_;
-  Eigen::MatrixXd values_;
-  Eigen::VectorXd frame_steps_;
-  std::unique_ptr<SmoothField> field_;  // null: no force
-};
 
 // What every draw takes of d_s and d_m [D x 2].
 Eigen::MatrixXd FinerFactors(const PredictionOptions& options) {
@@ -205,7 +61,7 @@ Eigen::MatrixXd BasisOf(Eigen::MatrixXd columns) {
   return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
 }
 
-Regressors RegressorsOf(const Posterior& posterior, const Eigen::MatrixXd& values,
+Regressors RegressorsOf(const FitPosterior& posterior, const Eigen::MatrixXd& values,
                         const Eigen::MatrixXd& finer_factors) {
   Eigen::MatrixXd coordinates = values.transpose();
   for (Eigen::Index i = 0; i < coordinates.cols(); ++i) {
@@ -230,8 +86,14 @@ double ExplainedShare(double explained, double total, Eigen::Index num_regressor
   return std::clamp((explained / total - chance) / (1.0 - chance), 0.0, 1.0);
 }
 
+// Of start and of handles alone [T] m^2.
+struct VariancesAlone {
+  Eigen::VectorXd start, handles;
+};
+
 // Adds frame `frame`, with the draws of its free coordinates [R x D].
-void AddShares(const Regressors& regressors, const Eigen::MatrixXd& draws, Eigen::Index frame, Prediction* prediction) {
+void AddShares(const Regressors& regressors, const VariancesAlone& alone, const Eigen::MatrixXd& draws,
+               Eigen::Index frame, Prediction* prediction) {
   const Eigen::Index num_draws = draws.cols();
   const Eigen::MatrixXd centred = draws.colwise() - draws.rowwise().mean();
   const double total = centred.squaredNorm();
@@ -243,7 +105,11 @@ void AddShares(const Regressors& regressors, const Eigen::MatrixXd& draws, Eigen
   shares->parameters[frame] = share(regressors.parameters);
   const double by_all = share(regressors.all);
   shares->finer[frame] = std::max(by_all - shares->parameters[frame], 0.0);
-  shares->rest[frame] = 1.0 - std::max(by_all, shares->parameters[frame]);
+  const double rest = 1.0 - std::max(by_all, shares->parameters[frame]);
+  const double variance = std::pow(prediction->spread[frame], 2);
+  shares->start[frame] = std::min(alone.start[frame] / variance, rest);
+  shares->handles[frame] = std::min(alone.handles[frame] / variance, rest - shares->start[frame]);
+  shares->rest[frame] = rest - shares->start[frame] - shares->handles[frame];
   for (Eigen::Index i = 0; i < regressors.each.cols(); ++i) {
     shares->each(frame, i) = share(regressors.each.col(i));
   }
@@ -260,26 +126,73 @@ std::vector<int> FreeCoordinates(const Scene& scene) {
   return free;
 }
 
-}  // namespace
-
-Eigen::MatrixXd BandsOf(const Eigen::MatrixXd& draws) {
-  const Eigen::Index num_draws = draws.cols();
-  Eigen::MatrixXd bands(draws.rows(), static_cast<Eigen::Index>(kBandQuantiles.size()));
-  std::vector<double> sorted(static_cast<std::size_t>(num_draws));
-  for (Eigen::Index row = 0; row < draws.rows(); ++row) {
-    for (Eigen::Index d = 0; d < num_draws; ++d) sorted[static_cast<std::size_t>(d)] = draws(row, d);
-    std::sort(sorted.begin(), sorted.end());
-    for (std::size_t q = 0; q < kBandQuantiles.size(); ++q) {
-      const double rank = std::clamp(kBandQuantiles[q] * static_cast<double>(num_draws + 1) - 1.0, 0.0,
-                                     static_cast<double>(num_draws - 1));
-      const auto below = static_cast<std::size_t>(rank);
-      const double above = sorted[std::min(below + 1, sorted.size() - 1)];
-      bands(row, static_cast<Eigen::Index>(q)) =
-          sorted[below] + (rank - static_cast<double>(below)) * (above - sorted[below]);
+// Draws of derived numbers, frame by frame.
+class DerivedDraws {
+ public:
+  DerivedDraws(const Scene& scene, const std::vector<const Draw*>& draws, const FinerChanges& finer,
+               const Eigen::MatrixXd& factors, Eigen::Index num_frames, std::vector<DerivedBands>* bands)
+      : scene_(scene), draws_(draws), finer_(finer), factors_(factors), bands_(*bands) {
+    for (DerivedBands& band : bands_) {
+      const bool is_slip = band.request.kind == DerivedKind::kSlip;
+      for (Eigen::MatrixXd& quantile : band.quantiles)
+        quantile.resize(NumRows(band.request.kind), is_slip ? 1 : num_frames);
+      if (is_slip) Set(0, Slips(), &band);
     }
   }
-  return bands;
-}
+
+  // `in_frame` [3N x D]: the positions of the draws, with what step and mesh change.
+  void AddFrame(Eigen::Index frame, const Eigen::MatrixXd& in_frame) {
+    for (DerivedBands& band : bands_) {
+      if (band.request.kind != DerivedKind::kSlip) Set(frame, NumbersOf(band.request, frame, in_frame), &band);
+    }
+  }
+
+ private:
+  Eigen::Index NumRows(DerivedKind kind) const {
+    if (kind == DerivedKind::kPoint) return 3;
+    return kind == DerivedKind::kForce ? draws_.front()->forces.rows() : 1;
+  }
+
+  static void Set(Eigen::Index frame, const Eigen::MatrixXd& numbers, DerivedBands* band) {
+    const Eigen::MatrixXd quantiles = BandsOf(numbers);
+    for (std::size_t q = 0; q < kBandQuantiles.size(); ++q) {
+      band->quantiles[q].col(frame) = quantiles.col(static_cast<Eigen::Index>(q));
+    }
+  }
+
+  // [R x D].
+  Eigen::MatrixXd NumbersOf(const DerivedRequest& request, Eigen::Index frame, const Eigen::MatrixXd& in_frame) const {
+    if (request.kind == DerivedKind::kPoint) return in_frame.middleRows<3>(3 * request.node);
+    Eigen::MatrixXd numbers(NumRows(request.kind), in_frame.cols());
+    for (Eigen::Index d = 0; d < numbers.cols(); ++d) {
+      if (request.kind == DerivedKind::kArea) numbers(0, d) = CoveredArea(scene_, in_frame.col(d));
+      if (request.kind == DerivedKind::kStrain) numbers(0, d) = LargestStrain(scene_.mesh, in_frame.col(d));
+      if (request.kind != DerivedKind::kForce) continue;
+      numbers.col(d) = draws_[static_cast<std::size_t>(d)]->forces.col(frame);
+      if (finer_.step.forces.size() > 0) numbers.col(d) += factors_(d, 0) * finer_.step.forces.col(frame);
+      if (finer_.mesh.forces.size() > 0) numbers.col(d) += factors_(d, 1) * finer_.mesh.forces.col(frame);
+    }
+    return numbers;
+  }
+
+  Eigen::MatrixXd Slips() const {
+    Eigen::MatrixXd slips(1, static_cast<Eigen::Index>(draws_.size()));
+    for (Eigen::Index d = 0; d < slips.cols(); ++d) {
+      slips(0, d) = draws_[static_cast<std::size_t>(d)]->slip;
+      if (finer_.step.positions.size() > 0) slips(0, d) += factors_(d, 0) * finer_.step.slip;
+      if (finer_.mesh.positions.size() > 0) slips(0, d) += factors_(d, 1) * finer_.mesh.slip;
+    }
+    return slips.cwiseMax(0.0);
+  }
+
+  const Scene& scene_;
+  const std::vector<const Draw*>& draws_;
+  const FinerChanges& finer_;
+  const Eigen::MatrixXd& factors_;
+  std::vector<DerivedBands>& bands_;
+};
+
+}  // namespace
 
 double Prediction::WorthUntil() const {
   double missed = 0.0, missed_at_rest = 0.0;
@@ -291,12 +204,14 @@ double Prediction::WorthUntil() const {
   return std::numeric_limits<double>::infinity();
 }
 
-Prediction Predict(const Scene& scene, const Posterior& posterior, const PredictionOptions& options) {
+Prediction Predict(const Scene& scene, const FitPosterior& posterior, const PredictionOptions& options) {
   ExpectOptions(scene, options);
   const Sampler sampler(scene, posterior, options);
   std::vector<Draw> draws = RollAll(sampler, options);
   Prediction prediction;
   prediction.has_force = sampler.has_force();
+  prediction.has_start = sampler.has_start();
+  prediction.has_handles = sampler.has_handles();
   const FinerChanges finer = sampler.RollFiner(&prediction.no_step, &prediction.no_mesh);
   std::vector<Eigen::Index> kept;
   for (std::size_t d = 0; d < draws.size(); ++d) {
@@ -314,8 +229,8 @@ Prediction Predict(const Scene& scene, const Posterior& posterior, const Predict
                                    " that do not: " + prediction.failure);
   }
   Eigen::MatrixXd factors = FinerFactors(options)(kept, Eigen::all);
-  if (finer.step.size() == 0) factors.col(0).setZero();
-  if (finer.mesh.size() == 0) factors.col(1).setZero();
+  if (finer.step.positions.size() == 0) factors.col(0).setZero();
+  if (finer.mesh.positions.size() == 0) factors.col(1).setZero();
   const Regressors regressors = RegressorsOf(posterior, sampler.values()(Eigen::all, kept), factors);
   const Eigen::Index num_frames = sampler.frame_steps().size(), num_rows = scene.initial_positions.size();
   prediction.times = scene.start_time + (scene.time_step * sampler.frame_steps().array());
@@ -325,16 +240,26 @@ Prediction Predict(const Scene& scene, const Posterior& posterior, const Predict
   prediction.shares.parameters.setZero(num_frames);
   prediction.shares.finer.setZero(num_frames);
   prediction.shares.rest.setZero(num_frames);
+  prediction.shares.start.setZero(num_frames);
+  prediction.shares.handles.setZero(num_frames);
   prediction.shares.each.setZero(num_frames, regressors.each.cols());
   const std::vector<int> free = FreeCoordinates(scene);
+  VariancesAlone alone = {Eigen::VectorXd::Zero(num_frames), Eigen::VectorXd::Zero(num_frames)};
+  if (prediction.has_start && !free.empty()) alone.start = sampler.VarianceAlone(/*of_start=*/true, free);
+  if (prediction.has_handles && !free.empty()) alone.handles = sampler.VarianceAlone(/*of_start=*/false, free);
+  std::vector<const Draw*> kept_draws;
+  for (const Eigen::Index d : kept) kept_draws.push_back(&draws[static_cast<std::size_t>(d)]);
+  for (const DerivedRequest& request : options.derived) prediction.derived.push_back({request, {}});
+  DerivedDraws derived(scene, kept_draws, finer, factors, num_frames, &prediction.derived);
   Eigen::MatrixXd in_frame(num_rows, prediction.num_draws);
   for (Eigen::Index frame = 0; frame < num_frames; ++frame) {
     for (Eigen::Index d = 0; d < in_frame.cols(); ++d) {
-      in_frame.col(d) = draws[static_cast<std::size_t>(kept[static_cast<std::size_t>(d)])].positions.col(frame);
+      in_frame.col(d) = kept_draws[static_cast<std::size_t>(d)]->positions.col(frame);
     }
-    if (finer.step.size() > 0) in_frame += finer.step.col(frame) * factors.col(0).transpose();
-    if (finer.mesh.size() > 0) in_frame += finer.mesh.col(frame) * factors.col(1).transpose();
-    if (!free.empty()) AddShares(regressors, in_frame(free, Eigen::all), frame, &prediction);
+    if (finer.step.positions.size() > 0) in_frame += finer.step.positions.col(frame) * factors.col(0).transpose();
+    if (finer.mesh.positions.size() > 0) in_frame += finer.mesh.positions.col(frame) * factors.col(1).transpose();
+    if (!free.empty()) AddShares(regressors, alone, in_frame(free, Eigen::all), frame, &prediction);
+    derived.AddFrame(frame, in_frame);
     const Eigen::MatrixXd bands = BandsOf(in_frame);
     for (std::size_t q = 0; q < kBandQuantiles.size(); ++q) {
       prediction.quantiles[q].col(frame) = bands.col(static_cast<Eigen::Index>(q));

@@ -8,7 +8,7 @@
 
 namespace clothid {
 
-enum class DrawStream : std::uint32_t { kParameters, kForces, kScale, kFiner };
+enum class DrawStream : std::uint32_t { kParameters, kForces, kScale, kFiner, kNoise, kStart, kHandles };
 
 class NormalStream {
  public:

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <iomanip>
 #include <iostream>
 #include <utility>
 #include <vector>
@@ -21,7 +22,17 @@ std::string PercentText(double share) {
   return std::isnan(share) ? "-" : std::to_string(std::lround(100.0 * share)) + " %";
 }
 
-void PrintDrawn(const Posterior& posterior, bool has_force) {
+void PrintStart(const LearntStart& start, const Prediction& prediction) {
+  std::cout << "start           of the fitted recordings was off by " << MillimetreText(start.position, 2) << " and "
+            << NumberText(start.velocity, 2) << " m/s" << (prediction.has_start ? ", drawn" : ", not drawn");
+  if (start.handles > 0.0) {
+    std::cout << "; their handles by " << MillimetreText(start.handles, 2)
+              << (prediction.has_handles ? ", drawn" : ", not drawn");
+  }
+  std::cout << "\n";
+}
+
+void PrintDrawn(const FitPosterior& posterior, bool has_force) {
   std::vector<std::string> drawn, held;
   for (const PosteriorParameter& parameter : posterior.parameters) drawn.push_back(parameter.name);
   for (const auto& [name, value] : posterior.held) held.push_back(name);
@@ -32,13 +43,17 @@ void PrintDrawn(const Posterior& posterior, bool has_force) {
   if (posterior.force) {
     std::cout << "lacks a force of " << NumberText(posterior.force->size, 3) << " N/m^2 that lasts "
               << NumberText(posterior.force->time, 2) << " s over " << NumberText(posterior.force->length, 2)
-              << (has_force ? " m, drawn\n" : " m, not drawn\n");
+              << (has_force ? " m, drawn" : " m, not drawn");
+    if (posterior.force_factor != 1.0) {
+      std::cout << "; calibrated, " << NumberText(posterior.force_factor, 3) << " times what corrections told";
+    }
+    std::cout << "\n";
   } else {
     std::cout << "the fit tells no force that it lacks\n";
   }
 }
 
-void PrintFrame(const Posterior& posterior, const Prediction& prediction, Eigen::Index frame) {
+void PrintFrame(const FitPosterior& posterior, const Prediction& prediction, Eigen::Index frame) {
   const SpreadShares& shares = prediction.shares;
   std::cout << "at " << NumberText(prediction.times[frame], 3) << " s: +- "
             << MillimetreText(prediction.spread[frame], 3) << " after " << MillimetreText(prediction.moved[frame], 3)
@@ -49,11 +64,30 @@ void PrintFrame(const Posterior& posterior, const Prediction& prediction, Eigen:
   }
   if (each.size() > 1) std::cout << " (" << JoinWords(each) << " by itself)";
   std::cout << ", step and mesh " << PercentText(shares.finer[frame])
+            << (prediction.has_start ? ", start " + PercentText(shares.start[frame]) : "")
+            << (prediction.has_handles ? ", handles " + PercentText(shares.handles[frame]) : "")
             << (prediction.has_force ? ", model " : ", not linear ") << PercentText(shares.rest[frame]) << "\n";
 }
 
-void PrintPrediction(const Posterior& posterior, const Prediction& prediction) {
+// At the end: the median of every number, and its band of 90 %.
+void PrintDerived(const DerivedBands& bands) {
+  const Eigen::Index last = bands.quantiles[0].cols() - 1;
+  const std::string unit = UnitOf(bands.request.kind);
+  std::vector<std::string> numbers;
+  for (Eigen::Index row = 0; row < bands.quantiles[0].rows(); ++row) {
+    const auto number = [&](std::size_t q) {
+      const double value = bands.quantiles[q](row, last);
+      return std::isinf(value) ? std::string("never") : NumberText(value, 3);
+    };
+    numbers.push_back(number(2) + " (" + number(0) + " .. " + number(4) + ")");
+  }
+  std::cout << std::left << std::setw(16) << bands.request.name << JoinWords(numbers)
+            << (unit.empty() ? "" : " " + unit) << (bands.request.kind == DerivedKind::kSlip ? "\n" : " at the end\n");
+}
+
+void PrintPrediction(const FitPosterior& posterior, const Prediction& prediction) {
   PrintDrawn(posterior, prediction.has_force);
+  if (posterior.start) PrintStart(*posterior.start, prediction);
   std::cout << "rollouts        " << prediction.num_draws;
   if (prediction.num_failed > 0) {
     std::cout << "; " << prediction.num_failed << " failed and count nowhere, the first: " << prediction.failure;
@@ -65,6 +99,7 @@ void PrintPrediction(const Posterior& posterior, const Prediction& prediction) {
   constexpr int kTimes = 4;
   const Eigen::Index last = prediction.times.size() - 1;
   for (int i = 1; i <= kTimes; ++i) PrintFrame(posterior, prediction, (i * last + kTimes - 1) / kTimes);
+  for (const DerivedBands& bands : prediction.derived) PrintDerived(bands);
   const double until = prediction.WorthUntil();
   std::cout << "worth           more than the cloth at rest "
             << (std::isinf(until) ? "to the end" : "until " + NumberText(until, 3) + " s") << "\n";
@@ -74,7 +109,7 @@ void PrintPrediction(const Posterior& posterior, const Prediction& prediction) {
 
 int PredictScene(const ScenePart& part, const std::string& result_path, PredictionOptions options,
                  MotionTensors* median, std::string* bands) {
-  Posterior posterior = ReadPosterior(result_path);
+  FitPosterior posterior = ReadPosterior(result_path);
   FitToScene(part.scene, part.path, &posterior);
   if (!posterior.warning.empty()) {
     std::cerr << "simulate: warning: " << result_path << ": the fit says: " << posterior.warning << "\n";

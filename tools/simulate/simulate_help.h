@@ -60,11 +60,14 @@ The recording:
   --force_nodes LIST the handles that each sensor holds, as in 0,1:4,5 (all of them one sensor)
 
 A prediction:
-  --result FILE      rollouts with parameters drawn from what a fit knows of them, with the force that its model lacks
-                     and the error of step and mesh; --output gets their median. With --scene, --output, --view,
+  --result FILE      rollouts with parameters drawn from what a fit knows of them, with the force that its model lacks,
+                     the error of step and mesh, and what starts and handles were off by; --output gets their median.
+                     With --scene, --output, --view,
                      --fabric, --frame_rate, --seed and --threads, which run rollouts side by side
   --draws N          so many rollouts (50)
-  --sources LIST     what spreads them beside parameters (force,step,mesh); parameters: nothing
+  --sources LIST     what spreads them beside parameters (force,step,mesh,start,handles); parameters: nothing
+  --of LIST          bands of what else comes of it: point:NODE, area (m^2, covered, seen from above), strain (the
+                     largest), force (N, of every gripper on the cloth), slip (s, when it begins)
   --bands FILE       the quantiles 5, 25, 50, 75 and 95 % of every node and time, bands.npz for NumPy
 
   simulate --scene other.scene.json --result fit/result.json --bands bands.npz --output predicted.bin

@@ -57,7 +57,8 @@ DEFINE_string(set, "", "true parameters in place of the scene's, NAME=VALUE[,...
 DEFINE_string(set_field, "", "true fields in place of the scene's, NAME=FILE.npy[,...]");
 DEFINE_string(result, "", "result.json of a fit, by which the scene is predicted");
 DEFINE_int32(draws, 50, "with --result: rollouts, each with parameters of its own");
-DEFINE_string(sources, "force,step,mesh", "with --result: what spreads the rollouts beside parameters");
+DEFINE_string(sources, "force,step,mesh,start,handles", "with --result: what spreads the rollouts beside parameters");
+DEFINE_string(of, "", "with --result: what to tell beside the positions of nodes");
 DEFINE_string(bands, "", "with --result: bands.npz to write");
 DEFINE_string(view, "", "page to write beside the recording");
 DEFINE_string(sensor, "", "sensor.json of a camera and a gripper that see a finer simulation");
@@ -190,27 +191,11 @@ int RunSensor() {
   return kExitSuccess;
 }
 
-void ReadSources(PredictionOptions* options) {
-  options->with_force = options->with_step = options->with_mesh = false;
-  for (const std::string& source : Split(FLAGS_sources, ',')) {
-    const std::string_view name = Trimmed(source);
-    if (name == "force") {
-      options->with_force = true;
-    } else if (name == "step") {
-      options->with_step = true;
-    } else if (name == "mesh") {
-      options->with_mesh = true;
-    } else if (name != "parameters") {
-      throw Error(ErrorKind::kUsage, "--sources: expected some of parameters, force, step and mesh, got '" +
-                                         Printable(FLAGS_sources) + "'");
-    }
-  }
-}
-
 // The scene by what a fit has learnt.
 int RunPrediction(const Scene& scene, const std::string& scene_text) {
   PredictionOptions options;
-  ReadSources(&options);
+  SetSources(FLAGS_sources, "--sources", &options);
+  if (!FLAGS_of.empty()) options.derived = ParseDerived(FLAGS_of, "--of", scene);
   options.num_draws = FLAGS_draws;
   options.seed = FLAGS_seed;
   options.frame_rate = FLAGS_frame_rate;
@@ -279,7 +264,7 @@ int main(int argc, char** argv) {
        "force_nodes threads",
        Rule::kWithout, "sensor"},
       {"noise drop markers cloud float32 set set_field forces sensor", Rule::kWithout, "result"},
-      {"draws sources bands", Rule::kWith, "result"},
+      {"draws sources of bands", Rule::kWith, "result"},
       {"force_sigma force_rate force_bias force_nodes", Rule::kWith, "forces"},
       {"handles_output forces_output", Rule::kWith, "sensor"}};
   program.lists = {{"set", ','}, {"set_field", ','}};

@@ -46,7 +46,7 @@ TEST(BandCoverageTest, BandsHoldMostOfWhatAFinerModelDoesElsewhere) {
   run.output = folder.File("fit");
   run.report_page = false;
   Identify(run);
-  Posterior posterior = ReadPosterior(folder.File("fit/result.json"));
+  FitPosterior posterior = ReadPosterior(folder.File("fit/result.json"));
   FitToScene(other, "other", &posterior);
   ASSERT_TRUE(posterior.force.has_value());
   const RecordedMotion truth = RecordFinely(other, kFinerSteps, kFinerMeshes, kTruth, /*noise=*/1e-9);

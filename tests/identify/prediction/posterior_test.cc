@@ -24,7 +24,7 @@ Json Fit() {
 
 class PosteriorTest : public testing::Test {
  protected:
-  Posterior Read(const Json& json) const { return ReadPosterior(folder_.Write("result.json", json.dump(2))); }
+  FitPosterior Read(const Json& json) const { return ReadPosterior(folder_.Write("result.json", json.dump(2))); }
   void ExpectRefused(const Json& json, std::initializer_list<const char*> fragments) const {
     ExpectError([&] { Read(json); }, ErrorKind::kBadData, fragments);
   }
@@ -34,7 +34,7 @@ class PosteriorTest : public testing::Test {
 };
 
 TEST_F(PosteriorTest, NoiseIsCorrelatedAndTheRestOfAnIntervalIsNot) {
-  const Posterior posterior = Read(Fit());
+  const FitPosterior posterior = Read(Fit());
   ASSERT_EQ(posterior.parameters.size(), 2u);
   EXPECT_EQ(posterior.parameters[0].name, "k_stretch");
   const Eigen::MatrixXd& covariance = posterior.covariance;
@@ -47,7 +47,7 @@ TEST_F(PosteriorTest, WhatHasNoIntervalIsHeld) {
   Json json = Fit();
   json["parameters"]["mu"]["lower95"] = nullptr;
   json["parameters"]["mu"]["std"] = nullptr;
-  const Posterior posterior = Read(json);
+  const FitPosterior posterior = Read(json);
   ASSERT_EQ(posterior.parameters.size(), 1u);
   EXPECT_EQ(posterior.held.at("mu"), 0.3);
 }
@@ -55,13 +55,46 @@ TEST_F(PosteriorTest, WhatHasNoIntervalIsHeld) {
 TEST_F(PosteriorTest, WhatBelongsToARecordingIsLeftOut) {
   Json json = Fit();
   for (const char* name : {"drag@2", "shift.x", "wind.x.3"}) json["parameters"][name] = json["parameters"]["mu"];
-  const Posterior posterior = Read(json);
+  const FitPosterior posterior = Read(json);
   EXPECT_EQ(posterior.parameters.size(), 2u);
   EXPECT_EQ(posterior.left_out, (std::vector<std::string>{"drag@2", "shift.x", "wind.x.3"}));
 }
 
+TEST_F(PosteriorTest, StartsThatWereFittedAreOffByWhatTheyMovedAndAreNotSureOf) {
+  Json json = Fit();
+  EXPECT_FALSE(Read(json).start.has_value());
+  const auto start = [](double moved, double std, double handles, double interval) {
+    return Json{{"start",
+                 {{"moved_m", moved},
+                  {"std_m", std},
+                  {"handles_moved_m", handles},
+                  {"handle_std_m", 0.0},
+                  {"handle_interval_s", interval},
+                  {"speed_change_m_s", 0.03},
+                  {"velocity_std_m_s", 0.04}}}};
+  };
+  json["recordings"] = Json::array({start(3e-3, 4e-3, 1e-3, 0.2), Json::object(), start(0.0, 1e-3, 1e-3, 0.0)});
+  const FitPosterior posterior = Read(json);
+  ASSERT_TRUE(posterior.start.has_value());
+  EXPECT_NEAR(posterior.start->position, std::sqrt((25e-6 + 1e-6) / 2.0), 1e-12);
+  EXPECT_NEAR(posterior.start->velocity, 0.05, 1e-12);
+  EXPECT_NEAR(posterior.start->handles, 1e-3, 1e-12);
+  EXPECT_EQ(posterior.start->handle_interval, 0.2);
+}
+
+TEST_F(PosteriorTest, ACalibrationMultipliesTheForce) {
+  Json json = Fit();
+  json["assimilation"] = AssimilationText(0.05, 0.03, 0.1);
+  json["holdout"] = {{"bands", {{"inside", 0.5}, {"calibration", {{"force_factor", 2.5}, {"inside", 0.9}}}}}};
+  const FitPosterior posterior = Read(json);
+  EXPECT_EQ(posterior.force_factor, 2.5);
+  EXPECT_NEAR(posterior.force->size, 0.125, 1e-15);
+  json["holdout"] = nullptr;
+  EXPECT_NEAR(Read(json).force->size, 0.05, 1e-15);
+}
+
 TEST_F(PosteriorTest, DrawsHaveTheCovarianceAndDependOnSeedAndNumberAlone) {
-  const Posterior posterior = Read(Fit());
+  const FitPosterior posterior = Read(Fit());
   const Eigen::MatrixXd draws = DrawParameters(posterior, 4000, 1);
   EXPECT_EQ(DrawParameters(posterior, 50, 1), draws.leftCols(50));
   EXPECT_NE(DrawParameters(posterior, 50, 2), draws.leftCols(50));
@@ -75,7 +108,7 @@ TEST_F(PosteriorTest, DrawsHaveTheCovarianceAndDependOnSeedAndNumberAlone) {
 }
 
 TEST_F(PosteriorTest, DrawsStayWithinBounds) {
-  const Posterior posterior = Read(ResultText({{"mu", {0.01, 0.05, 1.0, false}}}));
+  const FitPosterior posterior = Read(ResultText({{"mu", {0.01, 0.05, 1.0, false}}}));
   const Eigen::MatrixXd draws = DrawParameters(posterior, 200, 1);
   EXPECT_EQ(draws.minCoeff(), 0.0);
 }
@@ -103,7 +136,7 @@ TEST_F(PosteriorTest, RefusesResultsWithoutIntervals) {
 
 TEST_F(PosteriorTest, RefusesScenesOfAnotherCloth) {
   const auto refuse = [&](const Json& json, const Scene& scene, std::initializer_list<const char*> fragments) {
-    Posterior posterior = Read(json);
+    FitPosterior posterior = Read(json);
     ExpectError([&] { FitToScene(scene, "other.json", &posterior); }, ErrorKind::kBadData, fragments);
   };
   refuse(ResultText({{"k_warp", {100.0, 2.0}}}), SwingScene(), {"key 'parameters.k_warp'", "other.json has"});
@@ -117,7 +150,7 @@ TEST_F(PosteriorTest, RefusesScenesOfAnotherCloth) {
 }
 
 TEST_F(PosteriorTest, FrictionSaysNothingWhereNothingIsTouched) {
-  Posterior posterior = Read(Fit());
+  FitPosterior posterior = Read(Fit());
   FitToScene(SphereScene(), "other.json", &posterior);
   EXPECT_EQ(posterior.parameters.size(), 2u);
   FitToScene(SwingScene(), "other.json", &posterior);
@@ -130,7 +163,7 @@ TEST_F(PosteriorTest, FrictionSaysNothingWhereNothingIsTouched) {
 TEST_F(PosteriorTest, AForceThatLastsIsRead) {
   Json json = Fit();
   json["assimilation"] = AssimilationText(0.1, 0.05, 0.2);
-  const Posterior posterior = Read(json);
+  const FitPosterior posterior = Read(json);
   ASSERT_TRUE(posterior.force.has_value());
   EXPECT_EQ(posterior.force->size, 0.1);
   EXPECT_EQ(posterior.force->time, 0.05);

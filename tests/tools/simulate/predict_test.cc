@@ -86,7 +86,8 @@ TEST_F(PredictTest, RefusesWhatPredictsNothing) {
   ExpectRefused(command + "--noise 0.001", 1, "--noise: expected without --result");
   ExpectRefused(command + "--set mu=0.1", 1, "--set: expected without --result");
   ExpectRefused(command + "--draws 5", 1, "--draws: expected a number from 19 to 10000");
-  ExpectRefused(command + "--sources force,luck", 1, "--sources: expected some of parameters, force, step and mesh");
+  ExpectRefused(command + "--sources force,luck", 1,
+                "--sources: expected some of parameters, force, step, mesh, start and handles");
   ExpectRefused(command + "--bands out.bin", 1, "--bands: out.bin: expected another file than --output");
   ExpectRefused(command + "--bands result.json", 1, "result.json: would replace an input");
   ExpectRefused(command + "--bands absent/b.npz", 1, "absent/b.npz: cannot be written");
