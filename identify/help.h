@@ -133,9 +133,12 @@ Beside the fit:
   --discretization P  step: fit again at half and twice the time step; mesh: fit again on a mesh of twice the density.
                       Intervals are widened by the errors that this shows, and the verdict says what is the largest:
                       noise, time step or mesh
-  --holdout FILES     their error at the estimates and at the nominal parameters; of --each they take none, their own
-                      parameters stay nominal and those of a recording zero
+  --holdout FILES     their error at the estimates and at the nominal parameters, and how often bands of 90 % hold them;
+                      of --each they take the mean of the fitted recordings
   --holdout_frames A:B  the same for frames A to B - 1 of every recording
+  --holdout_draws N   rollouts that make these bands, at least 19; 0: no bands (20)
+  --calibrate_bands   finds one factor on the force that the model lacks by which they hold 90 %, for the bands of other
+                      motions
   --landscape DIRS    folders that `landscape` wrote of a recording of --target, over two parameters of the fit:
                       report.html shows them as maps, with the estimate and the way to it
 

@@ -48,6 +48,8 @@ RunOptions SingleRun(const RunOptions& options, const RecordedMotion& motion, in
   RunOptions single;
   single.targets = {motion};
   single.holdout_frames = options.holdout_frames;
+  single.holdout_draws = options.holdout_draws;
+  single.calibrates_bands = options.calibrates_bands;
   single.time_step = options.time_step;
   single.step_tolerance = options.step_tolerance;
   single.check_recordings = false;  // the joint run has looked

@@ -17,6 +17,8 @@
 #include "identify/export/export.h"
 #include "identify/fit/fit.h"
 #include "identify/landscape/fit_landscape.h"
+#include "identify/prediction/judge_bands.h"
+#include "identify/prediction/posterior.h"
 #include "identify/problem/problem.h"
 #include "identify/problem/problem_blocks.h"
 #include "identify/repeated_run.h"
@@ -258,11 +260,26 @@ class Run {
     checks_.uncorrected_error = PredictUncorrected(inputs_.fitted, *problem_, &summary_);
     checks_.lead_times = PredictAhead(inputs_.fitted, *problem_, summary_, fit_options_.loss);
     checks_.corrections = CheckCorrections(inputs_.fitted, *problem_, summary_, fit_options_.loss);
+    if (checks_.holdout && summary_.uncertainty && options_.holdout_draws > 0) JudgeBands();
     if (!single_fits_.empty()) checks_.repetitions = Pool(single_fits_, SharedParameters(summary_));
     if (fit_options_.is_cancelled()) {
       summary_.status = FitStatus::kInterrupted;
       summary_.message = kInterruptedMessage;
     }
+  }
+
+  void JudgeBands() {
+    HeldBandOptions options;
+    options.num_draws = options_.holdout_draws;
+    options.seed = fit_options_.seed;
+    options.num_threads = fit_options_.num_threads;
+    options.calibrates = options_.calibrates_bands;
+    options.cancel = fit_options_.cancel;
+    checks_.held_bands = JudgeByBands(inputs_.held_out, problem_->blocks(), summary_.values(),
+                                      PosteriorOf(summary_, checks_.corrections),
+                                      options_.holdout_frames ? HeldOut::kFrames : HeldOut::kRecordings,
+                                      options_.holdout_frames ? FittedStarts() : std::vector<HeldOutStart>(), options);
+    if (fit_options_.is_cancelled()) checks_.held_bands.reset();
   }
 
   // Where the recordings were found to start.

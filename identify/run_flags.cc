@@ -58,6 +58,8 @@ RunOptions ParseRunFlags(const RunFlags& flags) {
   options.target_paths = ParseNames(flags.target, "--target");
   options.repeat = flags.repeat;
   options.holdout_paths = ParseNames(flags.holdout, "--holdout");
+  options.holdout_draws = flags.holdout_draws;
+  options.calibrates_bands = flags.calibrate_bands;
   if (!flags.holdout_frames.empty()) {
     options.holdout_frames = ParseFrameRange(flags.holdout_frames, "--holdout_frames");
   }

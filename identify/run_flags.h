@@ -28,6 +28,8 @@ struct RunFlags {
   std::uint64_t seed = 0;
   std::string profile, landscape, discretization, time_step;
   std::string holdout, holdout_frames;
+  int holdout_draws = 20;
+  bool calibrate_bands = false;
   std::string horizon = "growing", assimilate = "auto";
   std::string exports;  // --export
   bool resume = false, report = true;
@@ -70,6 +72,8 @@ void VisitRunFlags(RunFlags* flags, const Visit& visit) {
   visit("time_step", &flags->time_step);
   visit("holdout", &flags->holdout);
   visit("holdout_frames", &flags->holdout_frames);
+  visit("holdout_draws", &flags->holdout_draws);
+  visit("calibrate_bands", &flags->calibrate_bands);
   visit("horizon", &flags->horizon);
   visit("assimilate", &flags->assimilate);
   visit("export", &flags->exports);

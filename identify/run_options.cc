@@ -7,6 +7,7 @@
 #include <string>
 
 #include "identify/base/knot_names.h"
+#include "identify/prediction/bands.h"
 
 namespace clothid {
 
@@ -62,6 +63,12 @@ void RunOptions::Validate() const {
   ExpectUsage(!target_paths.empty() || !targets.empty(), "--target: expected a recording");
   ExpectUsage(target_paths.empty() || targets.empty(), "targets: expected without target_paths");
   ExpectUsage(holdout_paths.empty() || holdouts.empty(), "holdouts: expected without holdout_paths");
+  ExpectUsage(holdout_draws == 0 || (holdout_draws >= kLeastDraws && holdout_draws <= kMostDraws),
+              "--holdout_draws: expected 0, or a number from " + std::to_string(kLeastDraws) + " to " +
+                  std::to_string(kMostDraws));
+  const bool has_holdout = !holdout_paths.empty() || !holdouts.empty() || holdout_frames.has_value();
+  ExpectUsage(!calibrates_bands || (has_holdout && holdout_draws > 0),
+              "--calibrate_bands: expected with --holdout or --holdout_frames, and with --holdout_draws above 0");
   ExpectUsage(!holdout_frames || (holdout_paths.empty() && holdouts.empty()),
               "--holdout_frames: expected without --holdout");
   ExpectUsage(landscape_paths.empty() || (report_page && !output.empty()),

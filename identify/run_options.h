@@ -31,10 +31,12 @@ struct RunOptions {
   std::vector<std::string> holdout_paths;
   std::vector<RecordedMotion> holdouts;
   std::optional<FrameRange> holdout_frames;
-  ReadMotionOptions reading;    // of all files: scene, start, sigma
-  std::string fabric_card;      // the file that `reading.change_scene` is from, which is not to be replaced; or empty
-  TimeStepOption time_step;     // of all recordings, held-out ones too
-  double step_tolerance = 0.0;  // relative residual of a time step, in all recordings; 0: that of each scene
+  int holdout_draws = 20;         // rollouts of each that make its bands (identify/prediction/held_bands.h); 0: none
+  bool calibrates_bands = false;  // with a factor on the missing force
+  ReadMotionOptions reading;      // of all files: scene, start, sigma
+  std::string fabric_card;        // the file that `reading.change_scene` is from, which is not to be replaced; or empty
+  TimeStepOption time_step;       // of all recordings, held-out ones too
+  double step_tolerance = 0.0;    // relative residual of a time step, in all recordings; 0: that of each scene
   // What `motion check` looks for is looked for in every recording before anything is fitted, held-out ones among them.
   // A problem ends the run.
   bool check_recordings = true;

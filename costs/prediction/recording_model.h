@@ -115,6 +115,8 @@ class RecordingModel {
   // point count say: predictions are those between corrections. Throws `std::logic_error` for a recording that cannot
   // (`WhyNotAssimilated`).
   void Assimilate(const Assimilation& assimilation, const RobustLoss& loss);
+  // From now on `correction` does in their place; null: nothing does. It counts its steps from the scene's start.
+  void Correct(std::shared_ptr<const Correction> correction) { correction_ = std::move(correction); }
   // Why the recording cannot correct its rollouts, in words that go on after its name; empty where it can.
   std::string WhyNotAssimilated() const;
 

@@ -212,6 +212,12 @@ std::string FabricCardJson(const FabricCard& card) {
                                   {"time_step_s", recording.time_step},
                                   {"load_N", recording.load}});
   }
+  if (card.missing_force) {
+    json["missing_force"] = {{"deviation_N_m2", card.missing_force->deviation},
+                             {"time_s", card.missing_force->time},
+                             {"length_m", card.missing_force->length},
+                             {"factor", card.missing_force->factor}};
+  }
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -221,7 +227,7 @@ FabricCard ReadFabricCard(const std::string& path) {
   const std::string expected = std::string("\"") + kCardSchema + "\", the card of a fit";
   const JsonNode schema = root.Require("schema", expected);
   if (!schema.is(JsonValue::Kind::kString) || schema.String() != kCardSchema) schema.Fail("expected " + expected);
-  root.ExpectKeys({"schema", "clothid", "membrane", "bend_poisson", "constants", "recordings"});
+  root.ExpectKeys({"schema", "clothid", "membrane", "bend_poisson", "constants", "recordings", "missing_force"});
   FabricCard card;
   card.program = root.Require("clothid", "a text").String();
   card.membrane = ReadWord(root.Require("membrane", "a text"), MembraneWords());
@@ -235,6 +241,11 @@ FabricCard ReadFabricCard(const std::string& path) {
   ExpectWhole(constants, card);
   for (const JsonNode& item : root.Require("recordings", "a list").items()) {
     card.recordings.push_back(ReadCardRecording(item));
+  }
+  if (const auto force = root.Find("missing_force")) {
+    force->ExpectKeys({"deviation_N_m2", "time_s", "length_m", "factor"});
+    const auto number = [&](const char* key) { return force->Require(key, "a positive number").PositiveNumber(); };
+    card.missing_force = CardForce{number("deviation_N_m2"), number("time_s"), number("length_m"), number("factor")};
   }
   return card;
 }

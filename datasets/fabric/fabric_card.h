@@ -9,7 +9,10 @@
 //    "constants": {"k_warp": {"value": .., "unit": "N/m", "known": "fitted" | "believed" | "assumed", "lower95": ..,
 //      "upper95": .., "scatter": .., "seen": {"quantity": "strain" | "curvature_1_m", "from": .., "to": ..}}},
 //    "recordings": [{"name": .., "sha256": .., "kind": .., "nodes": .., "edge_m": .., "time_step_s": .., "load_N":
-//    ..}]}
+//    ..}],
+//    "missing_force": {"deviation_N_m2": .., "time_s": .., "length_m": .., "factor": ..}}
+//
+// "missing_force" is there where bands of predictions were calibrated.
 //
 // known: "fitted", with an interval; "believed", not fitted, with that of a prior; "assumed": a nominal value that
 // nothing tells, without an interval. scatter: the standard deviation between specimens, of the logarithm but for
@@ -18,6 +21,7 @@
 #define CLOTHID_DATASETS_FABRIC_FABRIC_CARD_H_
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -58,12 +62,20 @@ struct CardRecording {
   double load = std::numeric_limits<double>::quiet_NaN();  // N, the largest that a gauge read
 };
 
+// What its simulations were found to lack, as a random force per area, where bands of predictions were calibrated: its
+// deviation is `factor` times what corrections of the fitted recordings told.
+struct CardForce {
+  double deviation = 0.0, time = 0.0, length = 0.0;  // N/m^2, s, m
+  double factor = 1.0;
+};
+
 struct FabricCard {
   std::string program;  // that wrote it
   MembraneLaw membrane = MembraneLaw::kArap;
   double bend_poisson = 0.0;
   std::vector<CardConstant> constants;  // in the order of the table
   std::vector<CardRecording> recordings;
+  std::optional<CardForce> missing_force;
 
   const CardConstant* Find(ParameterKind kind) const;  // null: it has none
   bool tells_any() const;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "costs/prediction/parameter_block.h"
 #include "identify/base/version.h"
@@ -118,6 +119,12 @@ FabricCard CardOfFit(const FitSummary& summary, const FitChecks& checks, const s
     constant.seen_from = seen[kind].from;
     constant.seen_to = seen[kind].to;
     card.constants.push_back(constant);
+  }
+  if (checks.held_bands && checks.held_bands->calibration) {
+    if (const std::optional<LastingForce> force = MeanForce(checks.corrections)) {
+      const double factor = checks.held_bands->calibration->factor;
+      card.missing_force = CardForce{factor * force->size, force->time, force->length, factor};
+    }
   }
   return card;
 }

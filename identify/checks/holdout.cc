@@ -1,7 +1,7 @@
 #include "identify/checks/holdout.h"
 
 #include <charconv>
-#include <optional>
+#include <map>
 
 #include "costs/prediction/recording_model.h"
 #include "costs/prediction/rollout_cost_options.h"
@@ -48,28 +48,22 @@ void KeepForces(const Keeps& keeps, RecordedMotion* motion) {
   if (motion->forces.values.array().isNaN().all()) motion->forces = ForceReadings();
 }
 
-// The coordinates of blocks, with those of the start that a fit has estimated.
-Eigen::VectorXd WithStart(const std::vector<double>& coordinates, const HeldOutStart& start) {
-  const auto num_blocks = static_cast<Eigen::Index>(coordinates.size());
-  Eigen::VectorXd all(num_blocks + start.unknowns.size());
-  all << Eigen::Map<const Eigen::VectorXd>(coordinates.data(), num_blocks), start.unknowns;
-  return all;
-}
-
-// `recording`: its index among the fitted ones; -1: none of them.
-void AddEstimateError(const RecordedMotion& motion, int recording, const HeldOutStart& start,
-                      const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& values, const RobustLoss& loss,
-                      LeadTimes* ahead, PredictionSum* sum) {
-  std::vector<ParameterBlock> own;
-  std::vector<double> coordinates;
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    if (!Concerns(blocks[i], motion, recording)) continue;
-    own.push_back(blocks[i]);
-    coordinates.push_back(blocks[i].ToCoordinate(values[i]));
+// Adds the block of recording `block.recording` as one of `held`, which all recordings have in common.
+void AddLikeFitted(ParameterBlock block, double coordinate, std::map<std::string, int>* counts, HeldOutBlocks* held) {
+  block.name = BaseName(block.name);
+  block.recording = kEveryRecording;
+  int& count = (*counts)[block.name];
+  if (++count == 1) {
+    held->blocks.push_back(block);
+    held->coordinates.conservativeResize(held->coordinates.size() + 1);
+    held->coordinates.tail(1)[0] = coordinate;
+    return;
   }
-  RecordingModel model(motion, own, {}, start.start);
-  AddError(WithStart(coordinates, start), loss, &model, sum);
-  if (ahead != nullptr) ahead->Add(motion, WithStart(coordinates, start), &model);
+  for (std::size_t i = 0; i < held->blocks.size(); ++i) {
+    if (held->blocks[i].name != block.name) continue;
+    double& mean = held->coordinates[static_cast<Eigen::Index>(i)];
+    mean += (coordinate - mean) / count;
+  }
 }
 
 std::optional<int> ParseFrame(std::string_view text) {
@@ -81,6 +75,32 @@ std::optional<int> ParseFrame(std::string_view text) {
 
 }  // namespace
 
+HeldOutBlocks BlocksFor(const RecordedMotion& motion, int recording, const std::vector<ParameterBlock>& blocks,
+                        const Eigen::VectorXd& values, std::optional<int> like) {
+  HeldOutBlocks held;
+  std::map<std::string, int> counts;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const ParameterBlock& block = blocks[i];
+    const double coordinate = block.ToCoordinate(values[static_cast<Eigen::Index>(i)]);
+    const bool is_like = recording < 0 && block.recording != kEveryRecording;
+    if (!Concerns(block, motion, is_like ? block.recording : recording)) continue;
+    if (is_like) {
+      if (!like || *like == block.recording) AddLikeFitted(block, coordinate, &counts, &held);
+      continue;
+    }
+    held.blocks.push_back(block);
+    held.coordinates.conservativeResize(held.coordinates.size() + 1);
+    held.coordinates.tail(1)[0] = coordinate;
+  }
+  return held;
+}
+
+Eigen::VectorXd WithStart(const Eigen::VectorXd& coordinates, const HeldOutStart& start) {
+  Eigen::VectorXd all(coordinates.size() + start.unknowns.size());
+  all << coordinates, start.unknowns;
+  return all;
+}
+
 Holdout EvaluateHoldout(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,
                         const Eigen::VectorXd& values, HeldOut held_out, const std::vector<HeldOutStart>& starts,
                         const RobustLoss& loss, LeadTimes* ahead) {
@@ -89,9 +109,12 @@ Holdout EvaluateHoldout(const std::vector<RecordedMotion>& motions, const std::v
     const RecordedMotion& motion = motions[r];
     const HeldOutStart start = starts.empty() ? HeldOutStart() : starts[r];
     RecordingModel nominal(motion, {}, {}, start.start);
-    AddError(WithStart({}, start), loss, &nominal, &at_nominal);
+    AddError(WithStart(Eigen::VectorXd(), start), loss, &nominal, &at_nominal);
     const int recording = held_out == HeldOut::kFrames ? static_cast<int>(r) : -1;
-    AddEstimateError(motion, recording, start, blocks, values, loss, ahead, &at_estimate);
+    const HeldOutBlocks own = BlocksFor(motion, recording, blocks, values);
+    RecordingModel model(motion, own.blocks, {}, start.start);
+    AddError(WithStart(own.coordinates, start), loss, &model, &at_estimate);
+    if (ahead != nullptr) ahead->Add(motion, WithStart(own.coordinates, start), &model);
   }
   Holdout holdout;
   if (at_nominal.failure.empty()) {

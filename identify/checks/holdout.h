@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,7 +41,7 @@ struct Holdout {
 };
 
 enum class HeldOut {
-  kRecordings,  // others than the fitted ones: parameters of one recording alone do not concern them
+  kRecordings,  // others than the fitted ones
   kFrames,      // of the fitted recordings, in their order
 };
 
@@ -50,10 +51,25 @@ struct HeldOutStart {
   Eigen::VectorXd unknowns;  // [n]
 };
 
-// Over all of `motions`. `values` [p] are the estimates of `blocks`; parameters that the scene of a recording does not
-// have are left out, all others stay at its nominal values, those of the recording itself
-// (costs/prediction/alignment.h) at zero. `starts`: of every one, or empty; both predictions start there. `loss`: of
-// the fit. `ahead`: what counts lead times; may be null. Throws `Error` where `RecordingModel` does.
+// What of `blocks` there is in a recording, and their coordinates.
+struct HeldOutBlocks {
+  std::vector<ParameterBlock> blocks;
+  Eigen::VectorXd coordinates;
+};
+
+// Of the blocks with `values` [p] those that concern `motion`: recording number `recording` of the fit. -1: none of
+// them; then it is believed to be like the fitted ones, and of a parameter that each of them has for itself
+// (`FitOptions::each`) it takes the mean of their coordinates, or that of the recording number `like`.
+HeldOutBlocks BlocksFor(const RecordedMotion& motion, int recording, const std::vector<ParameterBlock>& blocks,
+                        const Eigen::VectorXd& values, std::optional<int> like = std::nullopt);
+
+// The coordinates of blocks [p], with those of the start that a fit has estimated.
+Eigen::VectorXd WithStart(const Eigen::VectorXd& coordinates, const HeldOutStart& start);
+
+// Over all of `motions`. `values` [p] are the estimates of `blocks`, see `BlocksFor`; parameters that the scene of a
+// recording does not have are left out, all others stay at its nominal values. `starts`: of every one, or empty; both
+// predictions start there. `loss`: of the fit. `ahead`: what counts lead times; may be null. Throws `Error` where
+// `RecordingModel` does.
 Holdout EvaluateHoldout(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,
                         const Eigen::VectorXd& values, HeldOut held_out = HeldOut::kRecordings,
                         const std::vector<HeldOutStart>& starts = {}, const RobustLoss& loss = {},

@@ -10,6 +10,7 @@
 #include "identify/base/model_error_json.h"
 #include "identify/base/source_names.h"
 #include "identify/base/version.h"
+#include "identify/prediction/bands.h"
 #include "identify/report/repetition_report.h"
 #include "identify/report/varying_json.h"
 
@@ -249,7 +250,36 @@ Json LeadTimesJson(const std::vector<LeadTimeError>& lead_times) {
   return json;
 }
 
-Json HoldoutJson(const std::optional<Holdout>& holdout) {
+Json HeldBandCellJson(const HeldBandCell& cell) {
+  return {{"inside", cell.inside},
+          {"measurements", static_cast<long long>(cell.num)},
+          {"median_rmse", cell.rmse},
+          {"crps", cell.score},
+          {"half_width", cell.half_width}};
+}
+
+Json HeldBandsJson(const HeldBands& bands, bool has_only_forces) {
+  if (!bands.why_not.empty()) return {{"why_not", bands.why_not}};
+  Json json = {{"nominal", kBandQuantiles.back() - kBandQuantiles.front()},
+               {"unit", has_only_forces ? "N" : "m"},
+               {"draws", bands.num_draws},
+               {"failed", bands.num_failed},
+               {"with_force", bands.has_force}};
+  json.update(HeldBandCellJson(bands.all));
+  if (bands.calibration) {
+    json["calibration"] = {{"force_factor", bands.calibration->factor}, {"inside", bands.calibration->inside}};
+  }
+  json["lead_times"] = Json::array();
+  for (const HeldBandCell& cell : bands.leads) {
+    Json lead = {{"until_s", std::isinf(cell.until) ? Json(nullptr) : Json(cell.until)}};
+    lead.update(HeldBandCellJson(cell));
+    json["lead_times"].push_back(lead);
+  }
+  return json;
+}
+
+Json HoldoutJson(const FitChecks& checks) {
+  const std::optional<Holdout>& holdout = checks.holdout;
   if (!holdout) return nullptr;
   Json json = {{"rmse_m", holdout->rmse}, {"nominal_rmse_m", holdout->nominal_rmse}, {"failed", holdout->has_failed()}};
   if (std::isfinite(holdout->nodes_rmse)) json["nodes_rmse_m"] = holdout->nodes_rmse;
@@ -258,6 +288,7 @@ Json HoldoutJson(const std::optional<Holdout>& holdout) {
     json["force_rms_N"] = holdout->force_rms;
     json["nominal_force_rms_N"] = holdout->nominal_force_rms;
   }
+  if (checks.held_bands) json["bands"] = HeldBandsJson(*checks.held_bands, holdout->has_only_forces);
   return json;
 }
 
@@ -301,6 +332,7 @@ Json RecordingsJson(const FitSummary& summary, const std::vector<RecordedMotion>
                                       {"first_frame_error_m", start.first_frame_error},
                                       {"handles_moved_m", start.handles_moved},
                                       {"handle_std_m", start.handle_std},
+                                      {"handle_interval_s", start.handle_interval},
                                       {"handle_error_stds", start.handle_error},
                                       {"speed_change_m_s", start.speed_change},
                                       {"velocity_std_m_s", start.velocity_std}};
@@ -436,7 +468,7 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
                                 [](const ModelError& error) { return !error.is_zero(); });
   if (errs) json["model_error"] = ModelErrorsJson(summary.model_errors);
   if (checks.repetitions) json["repetitions"] = RepetitionsJson(*checks.repetitions);
-  json["holdout"] = HoldoutJson(checks.holdout);
+  json["holdout"] = HoldoutJson(checks);
   json["uncertainty"] = UncertaintyJson(summary);
   json["starts"] = StartsJson(summary, checks);
   json["profiles"] = ProfilesJson(checks);

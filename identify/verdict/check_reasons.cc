@@ -175,6 +175,9 @@ void AddCheckReasons(const FitSummary& summary, const FitChecks& checks, std::ve
   if (checks.starts) AddStarts(summary, *checks.starts, reasons);
   AddProfiles(summary, checks, reasons);
   if (checks.holdout) AddHoldout(*checks.holdout, reasons);
+  if (checks.holdout && checks.held_bands) {
+    reasons->push_back(Remark("held out: " + HeldBandsText(*checks.held_bands, checks.holdout->has_only_forces)));
+  }
   for (std::size_t r = 0; r < checks.energy.size(); ++r) {
     AddEnergy(checks.energy[r], checks.energy.size() > 1 ? checks.recordings[r].name + ": " : "", reasons);
   }

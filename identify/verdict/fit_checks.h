@@ -21,6 +21,7 @@
 #include "identify/checks/step_choice.h"
 #include "identify/checks/step_error.h"
 #include "identify/landscape/fit_landscape.h"
+#include "identify/prediction/held_bands.h"
 #include "identify/repetition/repetitions.h"
 #include "identify/verdict/recording_fit.h"
 #include "identify/wind/wind_result.h"
@@ -39,6 +40,7 @@ struct FitChecks {
   StepErrorEstimate step_error;
   std::optional<DiscretizationCheck> discretization;
   std::optional<Holdout> holdout;
+  std::optional<HeldBands> held_bands;  // of what was held out, where the fit tells intervals
   // Over all recordings, of rollouts at the estimates that nothing corrects, where those of the fit were; absent where
   // one of them failed.
   std::optional<PredictionError> uncorrected_error;

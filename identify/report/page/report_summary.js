@@ -67,6 +67,11 @@ function fillTiles() {
       'seconds']];
   if (holdout) {
     tiles.push(['rmse held out', millimetres(holdout.rmse_m), `nominal: ${millimetres(holdout.nominal_rmse_m)}`, 'holdout']);
+    const bands = holdout.bands;
+    if (bands && Number.isFinite(bands.inside)) {
+      tiles.push(['bands of 90 % held', percent(100 * bands.inside),
+        `of what was held out, by ${count(bands.draws, 'rollout')}`, 'bands']);
+    }
   }
   part('tiles').replaceChildren(...tiles.map(([what, value, beside, id]) => {
     const tile = element('div', 'tile');

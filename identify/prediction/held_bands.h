@@ -1,0 +1,52 @@
+// How often bands hold what a fit has not seen: predictions of held-out measurements that know their error, judged.
+//
+// A draw is a rollout of a held-out recording with parameters of the posterior of the fit
+// (identify/prediction/posterior.h), with a draw of the force that its model lacks, and with so much of what half the
+// step and a mesh of twice the density change as identify/prediction/prediction.h says; to what it predicts of a
+// measurement noise is added, of the standard deviation that the recording knows. So the bands are of what is measured.
+// Lead times count from the start of the rollout: what comes after it nothing corrects.
+#ifndef CLOTHID_IDENTIFY_PREDICTION_HELD_BANDS_H_
+#define CLOTHID_IDENTIFY_PREDICTION_HELD_BANDS_H_
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace clothid {
+
+// Of the measurements from one lead time to the next. Lengths are of a coordinate, m; N where only forces were held
+// out.
+struct HeldBandCell {
+  double until = std::numeric_limits<double>::infinity();  // s after the start; infinite: to the end
+  double num = 0.0;                                        // of measurements that were looked at
+  double inside = 0.0;                                     // the share that lies in the band of 90 %
+  double rmse = 0.0;                                       // of the median
+  double score = 0.0;                                      // the mean of `RankedScore`
+  double half_width = 0.0;                                 // the mean over bands
+};
+
+// One factor on the force that the model lacks, by which bands hold what they say.
+struct BandCalibration {
+  double factor = 1.0;  // from kLeastBandFactor to its inverse, where the bands are as near as that goes
+  double inside = 0.0;  // the share in bands of 90 % with it, by rollouts of their own
+};
+
+inline constexpr double kLeastBandFactor = 0.05;
+
+struct HeldBands {
+  std::vector<HeldBandCell> leads;  // up to .1, .3, 1 s, and from there on: those in which something was held out
+  HeldBandCell all;
+  int num_draws = 0, num_failed = 0;  // of every recording; those that failed are in no number
+  bool has_force = false;
+  std::optional<BandCalibration> calibration;  // where that was asked for, and there is a force
+  std::string why_not;  // why there are none, in words that go on after "bands: "; empty: there are
+};
+
+// "bands of 90 % held 84 % of what was held out (70 % to 0.1 s and ..), +- 3 mm about a median that misses by 2 mm,
+// ..": one line.
+std::string HeldBandsText(const HeldBands& bands, bool has_only_forces);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_PREDICTION_HELD_BANDS_H_

@@ -1,0 +1,36 @@
+// The rollouts behind identify/prediction/held_bands.h.
+#ifndef CLOTHID_IDENTIFY_PREDICTION_JUDGE_BANDS_H_
+#define CLOTHID_IDENTIFY_PREDICTION_JUDGE_BANDS_H_
+
+#include <Eigen/Core>
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+#include "costs/prediction/parameter_block.h"
+#include "datasets/motion/recorded_motion.h"
+#include "identify/checks/holdout.h"
+#include "identify/prediction/held_bands.h"
+#include "identify/prediction/posterior.h"
+
+namespace clothid {
+
+struct HeldBandOptions {
+  int num_draws = 20;  // at least kLeastDraws
+  std::uint64_t seed = 1;
+  int num_threads = 1;
+  bool with_step = true, with_mesh = true;  // what those of the scenes are off by
+  bool calibrates = false;  // finds the factor that makes them hold 90 %, by three times as many rollouts more
+  const std::atomic<bool>* cancel = nullptr;
+};
+
+// Arguments as of `EvaluateHoldout`; `posterior` is `PosteriorOf` the same fit. Where each recording of the fit has a
+// parameter for itself, a draw of another recording takes those of one of them, in turns. At most some millions of
+// measurements are looked at, evenly chosen. Where it was cancelled the result is not to be used.
+HeldBands JudgeByBands(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,
+                       const Eigen::VectorXd& values, const FitPosterior& posterior, HeldOut held_out,
+                       const std::vector<HeldOutStart>& starts, const HeldBandOptions& options);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_PREDICTION_JUDGE_BANDS_H_
