@@ -66,6 +66,7 @@ void BindSimulate(py::module_* module);
 void BindRollout(py::module_* module);
 void BindFit(py::module_* module);
 void BindPlan(py::module_* module);
+void BindPredict(py::module_* module);
 void BindLandscape(py::module_* module);
 void BindExport(py::module_* module);
 void BindView(py::module_* module);

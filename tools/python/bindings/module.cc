@@ -18,6 +18,7 @@ PYBIND11_MODULE(_clothid, module) {
   clothid::BindRollout(&module);
   clothid::BindFit(&module);
   clothid::BindPlan(&module);
+  clothid::BindPredict(&module);
   clothid::BindLandscape(&module);
   clothid::BindExport(&module);
   clothid::BindView(&module);

@@ -25,6 +25,7 @@ from clothid._clothid import (
 from clothid._identify import Finding, Findings, RecordingWarning, check, identify
 from clothid._landscape import Landscape, landscape
 from clothid._plan import Plan, plan
+from clothid._predict import Prediction, predict
 from clothid._result import Estimate, Result, Verdict
 from clothid._view import View
 
@@ -38,6 +39,7 @@ __all__ = [
     "Landscape",
     "Motion",
     "Plan",
+    "Prediction",
     "RecordingWarning",
     "Result",
     "Rollout",
@@ -52,5 +54,6 @@ __all__ = [
     "identify",
     "landscape",
     "plan",
+    "predict",
     "simulate",
 ]

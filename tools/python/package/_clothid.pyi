@@ -162,3 +162,15 @@ def run_landscape(
     initial: str,
     threads: int,
 ) -> Dict[str, Any]: ...
+def run_prediction(
+    scene: SceneLike,
+    result: str,
+    source: str,
+    of: str,
+    sources: str,
+    draws: int,
+    frame_rate: float,
+    seed: int,
+    threads: int,
+    progress: Optional[Callable[[int, int], object]],
+) -> Dict[str, Any]: ...

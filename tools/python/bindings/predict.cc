@@ -1,0 +1,105 @@
+// clothid.predict, but for what the package makes of it.
+#include <array>
+#include <string>
+
+#include "identify/prediction/posterior.h"
+#include "identify/prediction/prediction.h"
+#include "tools/python/bindings/arrays.h"
+#include "tools/python/bindings/bindings.h"
+#include "tools/python/bindings/long_call.h"
+
+namespace clothid {
+namespace {
+
+// Quantiles [R x T] as (5, T), (5, T, 3) or (5, T, G, 3); of a single number (5,).
+py::array_t<double> FromQuantiles(const std::array<Eigen::MatrixXd, 5>& quantiles, DerivedKind kind) {
+  const Eigen::Index num_rows = quantiles[0].rows(), num_frames = quantiles[0].cols();
+  std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(quantiles.size())};
+  if (kind != DerivedKind::kSlip) shape.push_back(num_frames);
+  if (kind == DerivedKind::kForce) shape.push_back(num_rows / 3);
+  if (num_rows >= 3) shape.push_back(3);
+  py::array_t<double> array(shape);
+  double* next = array.mutable_data();
+  for (const Eigen::MatrixXd& quantile : quantiles)
+    next = std::copy(quantile.reshaped().begin(), quantile.reshaped().end(), next);
+  return array;
+}
+
+py::array_t<double> FromPositions(const std::array<Eigen::MatrixXd, 5>& quantiles) {
+  const Eigen::Index num_rows = quantiles[0].rows(), num_frames = quantiles[0].cols();
+  py::array_t<double> array({static_cast<py::ssize_t>(quantiles.size()), static_cast<py::ssize_t>(num_frames),
+                             static_cast<py::ssize_t>(num_rows / 3), static_cast<py::ssize_t>(3)});
+  double* next = array.mutable_data();
+  for (const Eigen::MatrixXd& quantile : quantiles)
+    next = std::copy(quantile.reshaped().begin(), quantile.reshaped().end(), next);
+  return array;
+}
+
+py::dict FromShares(const SpreadShares& shares, const FitPosterior& posterior) {
+  py::dict of;
+  of["parameters"] = FromVector(shares.parameters);
+  of["finer"] = FromVector(shares.finer);
+  of["start"] = FromVector(shares.start);
+  of["handles"] = FromVector(shares.handles);
+  of["rest"] = FromVector(shares.rest);
+  for (std::size_t i = 0; i < posterior.parameters.size(); ++i) {
+    of[py::str(posterior.parameters[i].name)] = FromVector(shares.each.col(static_cast<Eigen::Index>(i)));
+  }
+  return of;
+}
+
+py::dict FromPrediction(const Prediction& prediction, const FitPosterior& posterior) {
+  py::dict of;
+  of["times"] = FromVector(prediction.times);
+  of["positions"] = FromPositions(prediction.quantiles);
+  of["spread"] = FromVector(prediction.spread);
+  of["moved"] = FromVector(prediction.moved);
+  of["shares"] = FromShares(prediction.shares, posterior);
+  py::dict derived;
+  for (const DerivedBands& bands : prediction.derived) {
+    derived[py::str(bands.request.name)] = FromQuantiles(bands.quantiles, bands.request.kind);
+  }
+  of["derived"] = derived;
+  of["num_draws"] = prediction.num_draws;
+  of["num_failed"] = prediction.num_failed;
+  of["worth_until"] = prediction.WorthUntil();
+  of["warning"] = posterior.warning;
+  return of;
+}
+
+}  // namespace
+
+void BindPredict(py::module_* module) {
+  module->def(
+      "run_prediction",
+      [](const py::object& scene_like, const std::string& result, const std::string& source, const std::string& of,
+         const std::string& sources, int draws, double frame_rate, std::uint64_t seed, int threads,
+         const py::object& progress) {
+        const PyScene scene = ToScene(scene_like);
+        FitPosterior posterior = ParsePosterior(result, source);
+        FitToScene(*scene.scene, scene.source, &posterior);
+        PredictionOptions options;
+        SetSources(sources, "sources", &options);
+        if (!of.empty()) options.derived = ParseDerived(of, "of", *scene.scene);
+        options.num_draws = draws;
+        options.frame_rate = frame_rate;
+        options.seed = seed;
+        options.num_threads = threads;
+        if (!progress.is_none()) {
+          options.on_rollout = [&](int num_done) {
+            const py::gil_scoped_acquire lock;
+            progress(num_done, draws);
+          };
+        }
+        Prediction prediction;
+        RunInterruptibly([&](const std::atomic<bool>& cancel) {
+          options.cancel = &cancel;
+          prediction = Predict(*scene.scene, posterior, options);
+        });
+        return FromPrediction(prediction, posterior);
+      },
+      py::arg("scene"), py::arg("result"), py::arg("source"), py::arg("of"), py::arg("sources"), py::arg("draws"),
+      py::arg("frame_rate"), py::arg("seed"), py::arg("threads"), py::arg("progress"));
+}
+
+}  // namespace clothid
