@@ -103,6 +103,22 @@ TEST_F(FabricCardTest, ReadsBackWhatItWrote) {
   EXPECT_EQ(again.Find(Kind::kStretchStiffness), nullptr);
 }
 
+TEST_F(FabricCardTest, KeepsTheForceThatBandsWereCalibratedWith) {
+  FabricCard card = YarnCard();
+  EXPECT_EQ(FabricCardJson(card).find("missing_force"), std::string::npos);
+  card.missing_force = CardForce{0.2, 0.05, 0.1, 2.5};
+  const FabricCard again = ReadFabricCard(Write(FabricCardJson(card)));
+  ASSERT_TRUE(again.missing_force.has_value());
+  EXPECT_EQ(again.missing_force->deviation, 0.2);
+  EXPECT_EQ(again.missing_force->time, 0.05);
+  EXPECT_EQ(again.missing_force->length, 0.1);
+  EXPECT_EQ(again.missing_force->factor, 2.5);
+  Json json = Json::parse(FabricCardJson(card));
+  json["missing_force"]["factor"] = -1.0;
+  Write(json.dump());
+  ExpectError([&] { ReadFabricCard(path_); }, ErrorKind::kBadData, {"key 'missing_force.factor'"});
+}
+
 TEST_F(FabricCardTest, NamesWhatIsWrong) {
   ExpectRefused("/schema", "clothid.result/1", "key 'schema': expected \"clothid.fabric/1\"");
   ExpectRefused("/color", "red", "color");
