@@ -4,9 +4,9 @@
   PYTHONPATH=build/release/python datasets/transfer/transfer_set.py --output transfer
       [--fabrics light,medium,heavy] [--motions swing,shake,drape,pull,slide,fold]
 
-Writes for each of them FABRIC_MOTION.motion.bin, seen at 50 Hz with noise of 2 mm by who fits it, and
-FABRIC_MOTION.truth.npy, (T, N, 3) m of the same frames without noise; and per motion MOTION.scene.json, what is known of
-it beforehand. What is there already is left alone. datasets/transfer/README.md says what the truth has and fits do not.
+Writes for each of them FABRIC_MOTION.motion.bin, seen at 50 Hz with noise of 2 mm by who fits it,
+FABRIC_MOTION.truth.npy, (T, N, 3) m of the same frames without noise, and FABRIC_MOTION.scene.json, what is known of it
+beforehand. What is there already is left alone. datasets/transfer/README.md says what the truth has and fits do not.
 """
 import argparse
 import json
@@ -24,8 +24,8 @@ STEP, DURATION, FRAME_RATE, NOISE = 0.01, 1.5, 50.0, 0.002  # s, s, Hz, m
 FINER_STEPS, FINER_CELLS = 4, 3  # of the truth: steps of 2.5 ms, 31 x 31 nodes
 MU = {"light": 0.25, "medium": 0.35, "heavy": 0.45}
 
-# Yarns that stiffen, air that brakes across the cloth more than along it, and a seam across its middle, two cells of the
-# scene's mesh wide, that bends `seam` times as hard.
+# Yarns that stiffen, air that brakes across the cloth more than along it, and a seam across its middle, two cells of
+# the scene's mesh wide, that bends `seam` times as hard.
 FABRICS = {
     "light": {"density": 0.08, "k_warp": 90, "k_weft": 60, "k_shear": 25, "stiffening_warp": 8, "stiffening_weft": 5,
               "k_bend": 1e-5, "seam": 20, "drag": 0.0, "drag_normal": 0.25, "drag_tangential": 0.03, "damping": 0.01},

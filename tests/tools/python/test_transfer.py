@@ -28,9 +28,9 @@ class TransferTest(unittest.TestCase):
         self.assertIn("stiffening_warp", fine.parameters)
 
     def run_transfer(self, folder, *arguments):
-        return subprocess.run([sys.executable, "-B", SOURCE / "tools/benchmark/transfer", "--folder", folder, "--fabrics",
-                               "medium", "--fitted", "swing", "--predicted", "drape", *arguments],
-                              capture_output=True, text=True, check=False)
+        command = [sys.executable, "-B", SOURCE / "tools/benchmark/transfer", "--folder", folder, "--fabrics", "medium"]
+        return subprocess.run([*command, "--fitted", "swing", "--predicted", "drape", *arguments], capture_output=True,
+                              text=True, check=False)
 
     def test_other_predictions_are_scored(self):
         random = np.random.default_rng(1)
@@ -54,7 +54,8 @@ class TransferTest(unittest.TestCase):
             done = self.run_transfer(folder, "--predictions", folder)
             self.assertIn("0 of 4 cells hold 80 to 98 %; in the mean 0 %", done.stdout)
             self.assertRegex(done.stdout, r"0 % of 1e\+03 mm in \+- 0")
-            for wrong, words in (({"times": times[1:]}, "times at 50 Hz"), ({"positions": flat[:, 1:]}, "5 x 76 x 121 x 3"),
+            for wrong, words in (({"times": times[1:]}, "times at 50 Hz"),
+                                 ({"positions": flat[:, 1:]}, "5 x 76 x 121 x 3"),
                                  ({"quantiles": [0.1] * 5}, "quantiles")):
                 good = {"times": times, "positions": flat, "quantiles": [0.05, 0.25, 0.5, 0.75, 0.95]}
                 np.savez(path, **{**good, **wrong})
