@@ -250,6 +250,7 @@ Prediction Predict(const Scene& scene, const FitPosterior& posterior, const Pred
   std::vector<const Draw*> kept_draws;
   for (const Eigen::Index d : kept) kept_draws.push_back(&draws[static_cast<std::size_t>(d)]);
   for (const DerivedRequest& request : options.derived) prediction.derived.push_back({request, {}});
+  prediction.cloths.assign(std::min<std::size_t>(kShownCloths, kept.size()), Eigen::MatrixXd(num_rows, num_frames));
   DerivedDraws derived(scene, kept_draws, finer, factors, num_frames, &prediction.derived);
   Eigen::MatrixXd in_frame(num_rows, prediction.num_draws);
   for (Eigen::Index frame = 0; frame < num_frames; ++frame) {
@@ -260,6 +261,9 @@ Prediction Predict(const Scene& scene, const FitPosterior& posterior, const Pred
     if (finer.mesh.positions.size() > 0) in_frame += finer.mesh.positions.col(frame) * factors.col(1).transpose();
     if (!free.empty()) AddShares(regressors, alone, in_frame(free, Eigen::all), frame, &prediction);
     derived.AddFrame(frame, in_frame);
+    for (std::size_t i = 0; i < prediction.cloths.size(); ++i) {
+      prediction.cloths[i].col(frame) = in_frame.col(static_cast<Eigen::Index>(i));
+    }
     const Eigen::MatrixXd bands = BandsOf(in_frame);
     for (std::size_t q = 0; q < kBandQuantiles.size(); ++q) {
       prediction.quantiles[q].col(frame) = bands.col(static_cast<Eigen::Index>(q));

@@ -39,15 +39,18 @@ struct SpreadShares {
   Eigen::VectorXd rest;        // of the force, and what is not linear in the parameters
 };
 
+inline constexpr int kShownCloths = 8;
+
 struct Prediction {
   Eigen::VectorXd times;                     // [T] s
   std::array<Eigen::MatrixXd, 5> quantiles;  // [3N x T] m each, of kBandQuantiles
   Eigen::VectorXd spread;  // [T] m, root mean square over free nodes of the draws' deviation, of an axis
   Eigen::VectorXd moved;   // [T] m, likewise how far the median is from the start
   SpreadShares shares;
-  std::vector<DerivedBands> derived;                               // of `PredictionOptions::derived`
-  int num_draws = 0, num_failed = 0;                               // those that failed are in no number
-  std::string failure;                                             // of the first that failed; empty: none
+  std::vector<DerivedBands> derived;    // of `PredictionOptions::derived`
+  std::vector<Eigen::MatrixXd> cloths;  // [3N x T] m, the first draws of those that worked, to look at
+  int num_draws = 0, num_failed = 0;    // those that failed are in no number
+  std::string failure;                  // of the first that failed; empty: none
   bool has_force = false, has_start = false, has_handles = false;  // whether it was drawn
   // Why the error of step or mesh of the scene is not known, though it was asked for; empty: it is.
   std::string no_step, no_mesh;

@@ -249,7 +249,50 @@ Json ViewData(const RecordedMotion& motion, bool is_simulated, std::size_t max_b
   return json;
 }
 
+Json ChartJson(const ViewChart& chart) {
+  Json lines = Json::object();
+  for (const auto& [name, values] : chart.lines) lines[name] = RoundedJson(values, kViewDigits);
+  return {
+      {"name", chart.name}, {"unit", chart.unit}, {"times", RoundedJson(chart.times, kViewDigits)}, {"lines", lines}};
+}
+
+Json PredictionJson(const PredictionView& view) {
+  Json json = {
+      {"status", view.status}, {"facts", view.facts}, {"cloths", view.cloths.size()}, {"charts", Json::array()}};
+  for (const ViewChart& chart : view.charts) json["charts"].push_back(ChartJson(chart));
+  return json;
+}
+
+// Every frame has the nodes of all cloths as a cloud.
+void AddCloths(const std::vector<Eigen::MatrixXd>& cloths, RecordedMotion* motion) {
+  if (cloths.empty()) return;
+  const Eigen::Index num_nodes = cloths.front().rows() / 3;
+  motion->clouds.resize(static_cast<std::size_t>(motion->num_frames()));
+  for (Eigen::Index frame = 0; frame < motion->num_frames(); ++frame) {
+    Eigen::Matrix3Xd& cloud = motion->clouds[static_cast<std::size_t>(frame)];
+    cloud.resize(3, num_nodes * static_cast<Eigen::Index>(cloths.size()));
+    for (std::size_t i = 0; i < cloths.size(); ++i) {
+      cloud.middleCols(static_cast<Eigen::Index>(i) * num_nodes, num_nodes) =
+          cloths[i].col(frame).reshaped(3, num_nodes);
+    }
+  }
+}
+
+constexpr std::size_t kMostChartBytes = 4000000;
+
 }  // namespace
+
+std::string PredictionHtml(RecordedMotion median, const PredictionView& view) {
+  const PageParts page = {"Prediction", ViewPage(), {}, /*has_charts=*/false, {ReplayScript(), ViewScript()}};
+  Json prediction = PredictionJson(view);
+  if (ScriptText(prediction).size() > kMostChartBytes) prediction["charts"] = Json::array();
+  const std::size_t used = MakePage(page, "").size() + ScriptText(prediction).size();
+  AddCloths(view.cloths, &median);
+  Json json = ViewData(median, /*is_simulated=*/true, used < kMaxReportBytes ? kMaxReportBytes - used : 0);
+  json["findings"] = Json::array();
+  json["prediction"] = prediction;
+  return MakePage(page, ScriptText(json));
+}
 
 std::string ViewHtml(const RecordedMotion& motion, bool is_simulated) {
   const PageParts page = {"View", ViewPage(), {}, /*has_charts=*/false, {ReplayScript(), ViewScript()}};

@@ -14,6 +14,7 @@
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
 #include "tools/base/count_progress.h"
+#include "tools/simulate/prediction_view.h"
 
 namespace clothid {
 namespace {
@@ -108,7 +109,7 @@ void PrintPrediction(const FitPosterior& posterior, const Prediction& prediction
 }  // namespace
 
 int PredictScene(const ScenePart& part, const std::string& result_path, PredictionOptions options,
-                 MotionTensors* median, std::string* bands) {
+                 PredictionOutput* output) {
   FitPosterior posterior = ReadPosterior(result_path);
   FitToScene(part.scene, part.path, &posterior);
   if (!posterior.warning.empty()) {
@@ -124,10 +125,11 @@ int PredictScene(const ScenePart& part, const std::string& result_path, Predicti
     std::cerr << "simulate: interrupted, nothing is written\n";
     return kExitInterrupted;
   }
-  *median = RecordFrames(prediction.median(), prediction.times, part.scene, part.text,
-                         "predicted: the median of " + std::to_string(prediction.num_draws) + " rollouts, seed " +
-                             std::to_string(options.seed));
-  *bands = BandsNpz(prediction, posterior);
+  output->median = RecordFrames(prediction.median(), prediction.times, part.scene, part.text,
+                                "predicted: the median of " + std::to_string(prediction.num_draws) +
+                                    " rollouts, seed " + std::to_string(options.seed));
+  output->bands = BandsNpz(prediction, posterior);
+  output->view = ViewOf(posterior, prediction);
   PrintPrediction(posterior, prediction);
   return kExitSuccess;
 }

@@ -6,6 +6,7 @@
 
 #include "datasets/motion/motion_tensors.h"
 #include "identify/prediction/prediction.h"
+#include "identify/view/view_page.h"
 #include "sim/scene/scene.h"
 
 namespace clothid {
@@ -17,12 +18,18 @@ struct ScenePart {
   const std::string& path;
 };
 
-// Predicts `scene` by the result.json `result_path`, into `median`, which is to be written, and `bands`, the bytes of
-// bands.npz; tells on stdout what was drawn and what came of it. Returns an exit code: where that is not kExitSuccess
-// the outputs are not to be used, and a line on stderr says why. Throws `Error` where `ReadPosterior`, `FitToScene` and
-// `Predict` do.
+// What a prediction writes.
+struct PredictionOutput {
+  MotionTensors median;
+  std::string bands;    // the bytes of bands.npz
+  PredictionView view;  // for the page
+};
+
+// Predicts `scene` by the result.json `result_path`, into `output`; tells on stdout what was drawn and what came of it.
+// Returns an exit code: where that is not kExitSuccess the outputs are not to be used, and a line on stderr says why.
+// Throws `Error` where `ReadPosterior`, `FitToScene` and `Predict` do.
 int PredictScene(const ScenePart& scene, const std::string& result_path, PredictionOptions options,
-                 MotionTensors* median, std::string* bands);
+                 PredictionOutput* output);
 
 }  // namespace clothid
 

@@ -68,6 +68,7 @@ A prediction:
   --sources LIST     what spreads them beside parameters (force,step,mesh,start,handles); parameters: nothing
   --of LIST          bands of what else comes of it: point:NODE, area (m^2, covered, seen from above), strain (the
                      largest), force (N, of every gripper on the cloth), slip (s, when it begins)
+  --view FILE        the page shows cloths that may be, bands over time and what dominates them
   --bands FILE       the quantiles 5, 25, 50, 75 and 95 % of every node and time, bands.npz for NumPy
 
   simulate --scene other.scene.json --result fit/result.json --bands bands.npz --output predicted.bin

@@ -132,6 +132,12 @@ void WriteView(MotionTensors motion) {
   std::cout << FLAGS_view << ": a page to look at it\n";
 }
 
+void WritePredictionView(PredictionOutput output) {
+  RecordedMotion median = InterpretMotion(std::move(output.median), FLAGS_output);
+  WriteFileAtomically(FLAGS_view, {PredictionHtml(std::move(median), output.view)});
+  std::cout << FLAGS_view << ": a page to look at it\n";
+}
+
 // No input is to be lost to an output, and no output to the other one.
 void CheckOutputs() {
   std::vector<std::string> inputs = FilesOfScene(FLAGS_scene);
@@ -206,13 +212,12 @@ int RunPrediction(const Scene& scene, const std::string& scene_text) {
   CheckFileCanBeWritten(FLAGS_output);
   if (!FLAGS_bands.empty()) CheckFileCanBeWritten(FLAGS_bands);
   if (!FLAGS_view.empty()) CheckPageOutput("--view", FLAGS_view);
-  MotionTensors median;
-  std::string bands;
-  const int exit_code = PredictScene({scene, scene_text, FLAGS_scene}, FLAGS_result, options, &median, &bands);
+  PredictionOutput output;
+  const int exit_code = PredictScene({scene, scene_text, FLAGS_scene}, FLAGS_result, options, &output);
   if (exit_code != kExitSuccess) return exit_code;
-  WriteMotion(median, FLAGS_output);
-  if (!FLAGS_bands.empty()) WriteFileAtomically(FLAGS_bands, {bands});
-  if (!FLAGS_view.empty()) WriteView(std::move(median));
+  WriteMotion(output.median, FLAGS_output);
+  if (!FLAGS_bands.empty()) WriteFileAtomically(FLAGS_bands, {output.bands});
+  if (!FLAGS_view.empty()) WritePredictionView(std::move(output));
   return kExitSuccess;
 }
 

@@ -21,10 +21,10 @@ function jumpToTime(time) {
 function fillHead() {
   const found = (verdict) => count(data.findings.filter((finding) => finding.verdict === verdict).length, verdict);
   const words = {ok: 'ok', note: found('note'), warning: found('warning'), problem: 'cannot be fitted as it is'};
-  part('status').textContent = words[data.verdict];
-  if (KINDS[data.verdict]) part('status').classList.add(KINDS[data.verdict]);
+  part('status').textContent = data.prediction ? data.prediction.status : words[data.verdict];
+  if (!data.prediction && KINDS[data.verdict]) part('status').classList.add(KINDS[data.verdict]);
   part('about').textContent = data.name;
-  part('heading').textContent = data.simulated ? 'Scene' : 'Recording';
+  part('heading').textContent = data.prediction ? 'Prediction' : data.simulated ? 'Scene' : 'Recording';
   document.title = data.name;
 }
 
@@ -114,6 +114,20 @@ function addChart(area, chart) {
   charts.push(lineChart(target, chart));
 }
 
+const BAND_COLOURS = ['#2d5f9a', '#e58a3c', '#3c8d5f', '#8a4fa3', '#b0413e', '#5b6770'];
+
+function fillPrediction() {
+  const {prediction} = data;
+  part('findings-card').hidden = Boolean(prediction);
+  part('prediction-card').hidden = part('bands-card').hidden = !prediction;
+  if (!prediction) return;
+  part('prediction-facts').replaceChildren(...prediction.facts.map((fact) => element('li', '', fact)));
+  for (const chart of prediction.charts) {
+    const colours = Object.fromEntries(Object.keys(chart.lines).map((name, i) => [name, BAND_COLOURS[i % 6]]));
+    addChart('bands', {...chart, colours});
+  }
+}
+
 function fillCharts() {
   const {forces, wind} = data, groups = {};
   for (const {group, axis, measured} of forces ? forces.components : []) (groups[group] ||= {})[axis] = measured;
@@ -135,7 +149,9 @@ function frameShown(frame) {
     const unseen = data.unseen[frame];
     words.push(unseen > 0 ? `${unseen} of ${count(data.points, 'point')} not seen` : 'all points seen');
   }
-  if (clouds) words.push(`${count(clouds[frame], 'point')} in the cloud`);
+  if (data.prediction) {
+    words.splice(0, words.length, `the median, and the nodes of ${count(data.prediction.cloths, 'cloth')} that may be`);
+  } else if (clouds) words.push(`${count(clouds[frame], 'point')} in the cloud`);
   part('seen').textContent = words.join('; ');
   for (const show of charts) show(times[frame]);
 }
@@ -152,7 +168,7 @@ function ownNotes() {
 
 function fillLegend(replay) {
   const dot = (colour, text) => [swatch(colour), text];
-  const parts = dot('var(--recorded)', data.simulated ? 'simulated' : 'recorded');
+  const parts = dot('var(--recorded)', data.prediction ? 'cloths that may be' : data.simulated ? 'simulated' : 'recorded');
   if (replay.handles.length > 0) parts.push(...dot('var(--ink)', 'handles'));
   if (part('start').checked) parts.push(...dot('var(--predicted)', 'start of a simulation'));
   part('label-left').replaceChildren(...parts);
@@ -181,6 +197,7 @@ fillHead();
 fillFindings();
 fillTimeline();
 fillFacts();
+fillPrediction();
 fillCharts();
 makePlayer(1);
 showReplay().catch((error) => showMissing(`The replay cannot be shown: ${error}`));

@@ -49,6 +49,29 @@ TEST_F(PredictTest, WritesTheMedianAndTheBands) {
   EXPECT_EQ(archive.out, "None " + std::to_string(128 + 8 * 5 * 6 * 48) + "\n") << archive.err;
 }
 
+TEST_F(PredictTest, ThePageHasCloudAndBands) {
+  ExpectSuccess(Command("--result result.json --of area --view page.html --bands b.npz"));
+  const std::string page = ReadBytes(folder() / "page.html");
+  const std::string mark = "id=\"data\">";
+  const std::size_t begin = page.find(mark);
+  ASSERT_NE(begin, std::string::npos);
+  const std::size_t first = begin + mark.size();
+  const Json data = Json::parse(page.substr(first, page.find("</script>", first) - first));
+  const Json& prediction = data["prediction"];
+  EXPECT_EQ(prediction["cloths"], 8);
+  EXPECT_NE(prediction["status"].get<std::string>().find("worth more than the cloth at rest"), std::string::npos);
+  ASSERT_EQ(prediction["charts"].size(), 3u) << prediction["charts"];
+  EXPECT_EQ(prediction["charts"][0]["name"], "deviation");
+  EXPECT_TRUE(prediction["charts"][1]["lines"].contains("parameters"));
+  EXPECT_TRUE(prediction["charts"][1]["lines"].contains("force"));
+  EXPECT_EQ(prediction["charts"][2]["name"], "area");
+  const Json &low = prediction["charts"][2]["lines"]["5 %"], &high = prediction["charts"][2]["lines"]["95 %"];
+  ASSERT_EQ(low.size(), 6u);
+  EXPECT_LE(low[5].get<double>(), high[5].get<double>());
+  EXPECT_EQ(data["cloud_points"][0], 8 * 16);
+  EXPECT_TRUE(data["findings"].empty());
+}
+
 TEST_F(PredictTest, ThreadsChangeNoByte) {
   ExpectSuccess(Command("--result result.json --bands one.npz --seed 7"));
   const std::string median = ReadBytes(folder() / "out.bin");
