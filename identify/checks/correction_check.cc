@@ -70,24 +70,55 @@ MissingForce ForceOfChanges(const Eigen::MatrixXd& changes, const Eigen::VectorX
   return missing;
 }
 
+namespace {
+
+constexpr double kLastingMemory = 0.1;  // s
+
+// Of the memories that were tried the one nearest to that, as a factor; none tried: that of the end.
+Assimilation LastingAssimilation(const FitSummary& summary) {
+  Assimilation nearest = LastAssimilation(summary);
+  const auto distance = [](double memory) { return std::abs(std::log(memory / kLastingMemory)); };
+  for (const MemoryTrial& trial : summary.memory_trials) {
+    if (distance(trial.memory) < distance(nearest.memory)) nearest = {trial.memory};
+  }
+  return nearest;
+}
+
+// The forces of the rollout of `model` at `coordinates` with the corrections of `assimilation`, and its prediction;
+// no forces: it failed, or is too large to be kept.
+MissingForce ForceOfRollout(const Assimilation& assimilation, const RobustLoss& loss,
+                            const Eigen::VectorXd& coordinates, RecordingModel* model, Eigen::MatrixXd* predicted) {
+  model->Assimilate(assimilation, loss);
+  const Rollout rollout = model->Simulate(coordinates, {}, {}, predicted);
+  const Eigen::MatrixXd changes = rollout.ok() ? VelocityChanges(*model, rollout) : Eigen::MatrixXd();
+  if (changes.size() == 0) return {};
+  return ForceOfChanges(changes, model->times(), MassPerArea(model->cloth(), rollout.parameters.material),
+                        model->scene().gravity.norm());
+}
+
+}  // namespace
+
 std::vector<CorrectionCheck> CheckCorrections(const std::vector<RecordedMotion>& motions, const FitProblem& problem,
                                               const FitSummary& summary, const RobustLoss& loss) {
   const Assimilation assimilation = LastAssimilation(summary);
+  const Assimilation lasting = LastingAssimilation(summary);
   std::vector<CorrectionCheck> checks;
   for (int r = 0; assimilation.is_on() && r < problem.num_recordings(); ++r) {
     const RecordedMotion& motion = motions[static_cast<std::size_t>(r)];
     const RecordingModel& fitted = problem.cost(r).model();
     RecordingModel model(motion, fitted.blocks(), {}, fitted.shared_start(), problem.fields());
-    model.Assimilate(assimilation, loss);
-    Eigen::MatrixXd predicted;
-    const Rollout rollout = model.Simulate(problem.CoordinatesOf(r, summary.coordinates), {}, {}, &predicted);
-    const Eigen::MatrixXd changes = rollout.ok() ? VelocityChanges(model, rollout) : Eigen::MatrixXd();
-    if (changes.size() == 0) return {};
+    const Eigen::VectorXd coordinates = problem.CoordinatesOf(r, summary.coordinates);
+    Eigen::MatrixXd predicted, ignored;
     CorrectionCheck& check = checks.emplace_back();
-    check.missing_force = ForceOfChanges(
-        changes, model.times(), MassPerArea(model.cloth(), rollout.parameters.material), model.scene().gravity.norm());
-    check.missing_force.lasting = DescribeLastingForce(check.missing_force.forces, model.times(), model.cloth());
+    check.missing_force = ForceOfRollout(assimilation, loss, coordinates, &model, &predicted);
+    if (check.missing_force.forces.size() == 0) return {};
     check.innovations = model.observation().Compare(predicted);
+    const MissingForce told = lasting.memory == assimilation.memory
+                                  ? check.missing_force
+                                  : ForceOfRollout(lasting, loss, coordinates, &model, &ignored);
+    if (told.forces.size() > 0) {
+      check.missing_force.lasting = DescribeLastingForce(told.forces, model.times(), model.cloth());
+    }
   }
   return checks;
 }

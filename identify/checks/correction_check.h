@@ -32,7 +32,10 @@ struct MissingForce {
   double size = 0.0, largest_in_frame = 0.0, largest_at_node = 0.0;
   int frame = 0, node = 0;  // there
   double time = 0.0;        // s, of that frame after the first
-  LastingForce lasting;     // as a random field; `ForceOfChanges` leaves it
+  // As a random field; `ForceOfChanges` leaves it. Of rollouts with the memory that is nearest to 0.1 s of those that
+  // were tried: corrections average away what lasts less than their memory, and so do predictions that look farther
+  // ahead.
+  LastingForce lasting;
 
   double share() const { return weight > 0.0 ? size / weight : 0.0; }
 };

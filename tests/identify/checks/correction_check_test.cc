@@ -77,6 +77,34 @@ TEST(CorrectionCheckTest, ThePushThatASceneLacksIsFound) {
   EXPECT_GT(checks.front().innovations.autocorrelation(), 0.5);
 }
 
+// A push that turns around every 50 ms: a memory of 1 s averages it away, one of .09 s less.
+TEST(CorrectionCheckTest, AMemoryOfATenthOfASecondTellsWhatLasts) {
+  Scene scene = ClothScene(5, 100);
+  scene.material.drag = 0.5;
+  Scene gusty = scene;
+  gusty.wind.gust = Eigen::Vector3d(2.0, 0.0, 0.0);
+  gusty.wind.frequency = 60.0;
+  MotionOptions made;
+  made.sigma = 1e-3;
+  RecordedMotion motion = MakeMotion(gusty, made);
+  motion.scene = scene;
+  FitOptions options;
+  options.parameters = {"k_stretch"};
+  const FitProblem problem({motion}, options);
+  FitSummary summary;
+  summary.coordinates = problem.StartCoordinates();
+  const auto lasting = [&](double end, const std::vector<double>& tried) {
+    summary.assimilation = {end};
+    summary.memory_trials.clear();
+    for (const double memory : tried) summary.memory_trials.emplace_back().memory = memory;
+    return CheckCorrections({motion}, problem, summary, {})[0].missing_force.lasting;
+  };
+  const LastingForce slow = lasting(1.0, {}), fast = lasting(0.09, {}), of_many = lasting(1.0, {0.02, 0.09, 1.0});
+  EXPECT_GT(fast.size, 2.0 * slow.size);
+  EXPECT_EQ(of_many.size, fast.size);
+  EXPECT_EQ(of_many.time, fast.time);
+}
+
 TEST(CorrectionCheckTest, NothingIsToldWithoutCorrections) {
   const RecordedMotion motion = MakeMotion(SwingScene(), {});
   FitOptions options;
