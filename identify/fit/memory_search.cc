@@ -1,6 +1,5 @@
 #include "identify/fit/memory_search.h"
 
-#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -15,27 +14,6 @@
 
 namespace clothid {
 namespace {
-
-// By how many times the size of the cloth a parameter may move what is measured, per unit of its coordinate.
-constexpr double kMostMoved = 100.0;
-
-// Whether the derivatives of `model` are those of rollouts that forget where they come from: stiff cloth that
-// corrections drive may amplify every change without bound. Its cost then has no slope to follow, and no width.
-bool HasLostDerivative(const FitProblem& problem, const QuadraticModel& model) {
-  if (model.hessian.size() == 0) return false;
-  double bound = 0.0;
-  for (int r = 0; r < problem.num_recordings(); ++r) {
-    const RecordingModel& own = problem.cost(r).model();
-    const double size = ClothSize(own.scene().mesh);
-    for (int row = 0; row < own.observation().first_force_row(); ++row) {
-      bound += std::pow(kMostMoved * size / own.observation().SigmaOf(row), 2);
-    }
-  }
-  for (const int i : problem.free_blocks()) {
-    if (!(model.hessian(i, i) <= bound)) return true;
-  }
-  return false;
-}
 
 class MemorySearch {
  public:

@@ -8,6 +8,7 @@
 #include "identify/problem/gauss_newton.h"
 #include "sim/base/median.h"
 #include "sim/matrix/dense.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 namespace {
@@ -97,6 +98,22 @@ MemoryTrial DescribeTrial(const FitProblem& problem, const FitEvaluator& evaluat
     if (variance > 0.0) trial.std[told[i]] = trial.residual_scale * std::sqrt(variance);
   }
   return trial;
+}
+
+bool HasLostDerivative(const FitProblem& problem, const QuadraticModel& model) {
+  if (model.hessian.size() == 0) return false;
+  double bound = 0.0;
+  for (int r = 0; r < problem.num_recordings(); ++r) {
+    const RecordingModel& own = problem.cost(r).model();
+    const double size = ClothSize(own.scene().mesh);
+    for (int row = 0; row < own.observation().first_force_row(); ++row) {
+      bound += std::pow(kMostMoved * size / own.observation().SigmaOf(row), 2);
+    }
+  }
+  for (const int i : problem.free_blocks()) {
+    if (!(model.hessian(i, i) <= bound)) return true;
+  }
+  return false;
 }
 
 bool Follows(const std::vector<ParameterBlock>& blocks, const MemoryTrial& last, const MemoryTrial& next) {

@@ -15,9 +15,9 @@
 // corrections follow the noise and predictions from them have its error; where the model errs it rises. So where the
 // longest memory leaves the least, it is tried as well.
 //
-// Corrected rollouts judge fast motion, which coarse steps damp. Where half the step would move the end of the trials by
-// more than 5 %, and the first fit by less, and both agree as far as that lets anybody tell, the first fit stands, unless
-// it has stalled.
+// Corrected rollouts judge fast motion, which coarse steps damp. Where half the step would move the end of the trials
+// by more than 5 %, and the first fit by less, and both agree as far as that lets anybody tell, the first fit stands,
+// unless it has stalled.
 //
 // The estimates along the way are the picture of the model's error. Where they drift, the interval counts with it: the
 // largest difference of an estimate to that of the end, over the memories that are at most five times shorter, is taken
@@ -34,6 +34,7 @@
 namespace clothid {
 
 class FitEvaluator;
+struct QuadraticModel;
 
 // A fit with one memory.
 struct MemoryTrial {
@@ -57,6 +58,13 @@ MemoryTrial DescribeTrial(const FitProblem& problem, const FitEvaluator& evaluat
 
 // Whether the estimate of `next` follows from that of `last`, as far as both are sure of it.
 bool Follows(const std::vector<ParameterBlock>& blocks, const MemoryTrial& last, const MemoryTrial& next);
+
+// Whether the derivatives of `model` are those of rollouts that forget where they come from: stiff cloth that
+// corrections drive may amplify every change without bound. Its cost then has no slope to follow, and no width. So it
+// is where a unit of the coordinate of a parameter moves what is measured by more than kMostMoved times the size of the
+// cloth, in the mean.
+inline constexpr double kMostMoved = 100.0;
+bool HasLostDerivative(const FitProblem& problem, const QuadraticModel& model);
 
 // Whether what predictions without corrections of `cost`, per recording [R x T] m, leave is rounding, or as noise is:
 // of another sign from frame to frame.
