@@ -62,8 +62,8 @@ The recording:
 A prediction:
   --result FILE      rollouts with parameters drawn from what a fit knows of them, with the force that its model lacks,
                      the error of step and mesh, and what starts and handles were off by; --output gets their median.
-                     With --scene, --output, --view,
-                     --fabric, --frame_rate, --seed and --threads, which run rollouts side by side
+                     With --scene, --output, --view, --fabric, --frame_rate, --seed and --threads, which run rollouts
+                     side by side
   --draws N          so many rollouts (50)
   --sources LIST     what spreads them beside parameters (force,step,mesh,start,handles); parameters: nothing
   --of LIST          bands of what else comes of it: point:NODE, area (m^2, covered, seen from above), strain (the
