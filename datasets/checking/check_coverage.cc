@@ -86,8 +86,11 @@ Finding CheckMissing(const CheckedMotion& checked) {
   for (int p = 0; p < motion.num_points(); ++p) {
     const auto track = motion.positions.middleRows<3>(3 * p);
     int num_unseen = 0;
+    // Along an axis that is never seen, as of a width, nothing is missing.
+    const Eigen::Array3d never_seen = track.array().isNaN().rowwise().all().cast<double>();
     for (int frame = 0; frame < motion.num_frames(); ++frame) {
-      if (!track.col(frame).array().isNaN().all()) continue;  // a coordinate that is seen is compared
+      const auto is_unseen = track.col(frame).array().isNaN() && never_seen == 0.0;
+      if (!is_unseen.any() && (never_seen == 0.0).any()) continue;
       ++num_unseen;
       frames.insert(frame);
     }

@@ -41,7 +41,8 @@ class Prediction:
     @property
     def median(self) -> Array:
         """(T, N, 3) m."""
-        return self.positions[2]
+        middle: Array = self.positions[2]
+        return middle
 
     def coverage(self, positions: Any) -> Array:
         """(T,) The share of the coordinates of `positions` (T, N, 3) that lie in the bands of 90 %; NaN counts nowhere.
