@@ -61,7 +61,7 @@ class MemorySearch {
   bool IsLostAt(const Eigen::VectorXd& point) {
     const QuadraticModel& model = evaluator().model();
     return model.coordinates.size() == point.size() && model.coordinates == point &&
-           HasLostDerivative(*problem_, model);
+           AmplifiesBeyondTheCloth(*problem_, model);
   }
 
   // Costs with corrections have one minimum: trials begin where theirs is lower, at the start or where the fit before

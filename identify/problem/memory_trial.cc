@@ -86,6 +86,7 @@ MemoryTrial DescribeTrial(const FitProblem& problem, const FitEvaluator& evaluat
   if (has_model) trial.cost = std::max(0.0, trial.cost + 0.5 * model.gradient.dot(step));
   trial.residual_scale = ResidualScale(problem, trial.cost);
   trial.std = Eigen::VectorXd::Constant(problem.num_blocks(), std::numeric_limits<double>::quiet_NaN());
+  trial.lower95 = trial.upper95 = trial.std;
   if (!has_model) return trial;
   std::vector<int> told;
   for (int i = 0; i < problem.num_blocks(); ++i) {
@@ -97,10 +98,12 @@ MemoryTrial DescribeTrial(const FitProblem& problem, const FitEvaluator& evaluat
     const double variance = covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i));
     if (variance > 0.0) trial.std[told[i]] = trial.residual_scale * std::sqrt(variance);
   }
+  trial.lower95 = problem.Values(trial.coordinates - kNormal95 * trial.std);
+  trial.upper95 = problem.Values(trial.coordinates + kNormal95 * trial.std);
   return trial;
 }
 
-bool HasLostDerivative(const FitProblem& problem, const QuadraticModel& model) {
+bool AmplifiesBeyondTheCloth(const FitProblem& problem, const QuadraticModel& model) {
   if (model.hessian.size() == 0) return false;
   double bound = 0.0;
   for (int r = 0; r < problem.num_recordings(); ++r) {

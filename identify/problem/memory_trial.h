@@ -38,12 +38,13 @@ struct QuadraticModel;
 
 // A fit with one memory.
 struct MemoryTrial {
-  double memory = 0.0;          // s
-  Eigen::VectorXd coordinates;  // [p] of the blocks
-  Eigen::VectorXd values;       // [p] in the parameters' own units
-  Eigen::VectorXd std;          // [p] of q, of independent residuals; NaN: not told
-  double cost = 0.0;            // of the recordings alone
-  double residual_scale = 0.0;  // s
+  double memory = 0.0;               // s
+  Eigen::VectorXd coordinates;       // [p] of the blocks
+  Eigen::VectorXd values;            // [p] in the parameters' own units
+  Eigen::VectorXd std;               // [p] of q, of independent residuals; NaN: not told
+  Eigen::VectorXd lower95, upper95;  // [p] of the values, by these; NaN likewise
+  double cost = 0.0;                 // of the recordings alone
+  double residual_scale = 0.0;       // s
 };
 
 // Those to try for the recordings of `problem`, in s, increasing.
@@ -64,7 +65,7 @@ bool Follows(const std::vector<ParameterBlock>& blocks, const MemoryTrial& last,
 // is where a unit of the coordinate of a parameter moves what is measured by more than kMostMoved times the size of the
 // cloth, in the mean.
 inline constexpr double kMostMoved = 100.0;
-bool HasLostDerivative(const FitProblem& problem, const QuadraticModel& model);
+bool AmplifiesBeyondTheCloth(const FitProblem& problem, const QuadraticModel& model);
 
 // Whether what predictions without corrections of `cost`, per recording [R x T] m, leave is rounding, or as noise is:
 // of another sign from frame to frame.

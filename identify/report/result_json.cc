@@ -381,26 +381,14 @@ Json CorrectionCheckJson(const CorrectionCheck& check) {
             {"node", missing.node}}}};
 }
 
-// An end of the interval of independent noise, `side` standard deviations from the values of a trial; NaN where it is
-// not told.
-Eigen::VectorXd EndOf(const MemoryTrial& trial, const FitSummary& summary, double side) {
-  Eigen::VectorXd ends(trial.values.size());
-  for (Eigen::Index i = 0; i < ends.size(); ++i) {
-    const double value = trial.values[i], move = side * trial.std[i];
-    const bool is_log = summary.parameters[static_cast<std::size_t>(i)].scale == ParameterScale::kLog;
-    ends[i] = is_log ? value * std::exp(move) : value * (1.0 + move / trial.coordinates[i]);
-  }
-  return ends;
-}
-
 // Of rollouts that the recordings correct, and of the fits that found their memory.
 Json CorrectionsJson(const FitSummary& summary, const FitChecks& checks) {
   Json trials = Json::array(), drift = Json::object();
   for (const MemoryTrial& trial : summary.memory_trials) {
     trials.push_back({{"memory_s", trial.memory},
                       {"values", NamedJson(summary.parameters, trial.values)},
-                      {"lower95", NamedJson(summary.parameters, EndOf(trial, summary, -kNormal95))},
-                      {"upper95", NamedJson(summary.parameters, EndOf(trial, summary, kNormal95))},
+                      {"lower95", NamedJson(summary.parameters, trial.lower95)},
+                      {"upper95", NamedJson(summary.parameters, trial.upper95)},
                       {"coordinate_stds", NamedJson(summary.parameters, trial.std)},
                       {"residual_scale", trial.residual_scale}});
   }

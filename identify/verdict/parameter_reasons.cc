@@ -203,7 +203,7 @@ void AddDentReasons(const FitSummary& summary, const FitChecks& checks, std::vec
       reasons->push_back(NotTold({check.parameter}, "lost in a rough cost",
                                  "the derivative by " + name +
                                      " is lost: rollouts amplify what changes until nothing of "
-                                     "it is left that the cost shows; see --landscape"));
+                                     "it is left that the cost shows; look at the landscape"));
       continue;
     }
     if (!check.is_dent() || !HasInterval(summary, checks, check.parameter)) continue;

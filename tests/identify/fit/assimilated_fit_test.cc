@@ -145,6 +145,10 @@ TEST(AssimilatedFitTest, FindsWhatFinerStepsShowFromAnyStart) {
     EXPECT_GT(summary.uncertainty->parameters[0].memory_error, 0.0);
     EXPECT_GE(summary.uncertainty->parameters[0].half_width95,
               kNormal95 * summary.uncertainty->parameters[0].memory_error / summary.values()[0]);
+    for (const MemoryTrial& trial : summary.memory_trials) {  // of a stiffness: symmetric in its logarithm
+      EXPECT_NEAR(trial.upper95[0], trial.values[0] * std::exp(kNormal95 * trial.std[0]), 1e-9 * trial.values[0]);
+      EXPECT_NEAR(trial.lower95[0] * trial.upper95[0] / std::pow(trial.values[0], 2), 1.0, 1e-9);
+    }
   }
 }
 

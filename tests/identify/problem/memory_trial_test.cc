@@ -27,14 +27,14 @@ QuadraticModel MovedBy(double moved, const FitProblem& problem) {
 
 TEST(MemoryTrialTest, ADerivativeBeyondTheClothIsLost) {
   const FitProblem problem({MakeMotion(SphereScene(), {})}, {});
-  EXPECT_FALSE(HasLostDerivative(problem, QuadraticModel())) << "nobody knows";
-  EXPECT_FALSE(HasLostDerivative(problem, MovedBy(0.99 * kMostMoved, problem)));
-  EXPECT_TRUE(HasLostDerivative(problem, MovedBy(1.01 * kMostMoved, problem)));
-  EXPECT_TRUE(HasLostDerivative(problem, MovedBy(std::numeric_limits<double>::quiet_NaN(), problem)));
+  EXPECT_FALSE(AmplifiesBeyondTheCloth(problem, QuadraticModel())) << "nobody knows";
+  EXPECT_FALSE(AmplifiesBeyondTheCloth(problem, MovedBy(0.99 * kMostMoved, problem)));
+  EXPECT_TRUE(AmplifiesBeyondTheCloth(problem, MovedBy(1.01 * kMostMoved, problem)));
+  EXPECT_TRUE(AmplifiesBeyondTheCloth(problem, MovedBy(std::numeric_limits<double>::quiet_NaN(), problem)));
   FitEvaluator evaluator(&problem, 1);
   double cost = 0.0;
   ASSERT_TRUE(evaluator.Evaluate(problem.StartCoordinates(), FitEvaluator::Derivative::kRows, &cost, nullptr));
-  EXPECT_FALSE(HasLostDerivative(problem, evaluator.model())) << "that of a cloth that falls on a ball";
+  EXPECT_FALSE(AmplifiesBeyondTheCloth(problem, evaluator.model())) << "that of a cloth that falls on a ball";
 }
 
 }  // namespace
