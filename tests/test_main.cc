@@ -21,7 +21,7 @@ std::string NameOfFile(const std::string& path) {
 // A literal of CMake.
 std::string Quoted(const std::string& text) { return "[==[" + text + "]==]"; }
 
-// Adds every case as a test with the properties LABELS and COST from the variables of these names.
+// Adds every case as a test with the properties LABELS and COST from the variables label_<file> and cost_<file>.
 void WriteList(const std::string& program, std::ostream& script) {
   const ::testing::UnitTest& all = *::testing::UnitTest::GetInstance();
   for (int i = 0; i < all.total_test_suite_count(); ++i) {
@@ -29,11 +29,11 @@ void WriteList(const std::string& program, std::ostream& script) {
     for (int j = 0; j < suite.total_test_count(); ++j) {
       const ::testing::TestInfo& info = *suite.GetTestInfo(j);
       const std::string name = std::string(suite.name()) + "." + info.name();
-      const std::string test = Quoted(NameOfFile(info.file()) + "." + name);
+      const std::string file = NameOfFile(info.file());
+      const std::string test = Quoted(file + "." + name);
       script << "add_test(" << test << " " << Quoted(program) << " " << Quoted("--gtest_filter=" + name) << ")\n"
-             << "set_tests_properties(" << test
-             << " PROPERTIES LABELS \"${LABELS}\" COST ${COST} SKIP_REGULAR_EXPRESSION " << Quoted("\\[  SKIPPED \\]")
-             << ")\n";
+             << "set_tests_properties(" << test << " PROPERTIES LABELS \"${label_" << file << "}\" COST \"${cost_"
+             << file << "}\" SKIP_REGULAR_EXPRESSION " << Quoted("\\[  SKIPPED \\]") << ")\n";
     }
   }
 }

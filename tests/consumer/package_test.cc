@@ -28,7 +28,7 @@ class PackageTest : public ConsumerTest {
 
   // The module of `prefix`, with the libraries of that prefix and no other, gives the estimate of its program.
   void ExpectPythonFits(const std::string& prefix) const {
-    WriteScene(SphereScene());
+    WriteScene(SphereJson());
     const std::string command = prefix + "/bin/clothid ";
     Success(command + "simulate --scene scene.json --set k_stretch=70 --output python.motion.bin");
     Success(command + "identify --target python.motion.bin --fit k_stretch --output python");

@@ -10,7 +10,7 @@ namespace {
 
 class IdentifyTest : public ToolTest {
  protected:
-  IdentifyTest() { ExpectSuccess("simulate --scene " + WriteScene(SphereScene()) + " --output good.bin"); }
+  IdentifyTest() { ExpectSuccess("simulate --scene " + WriteScene(SphereJson()) + " --output good.bin"); }
 
   void ExpectFlagsRefused(const std::string& flags, const std::string& culprit) const {
     ExpectRefused("identify --target good.bin --output result " + flags, 1, culprit);
@@ -104,8 +104,8 @@ TEST_F(IdentifyTest, RefusesWrongParametersOfARecording) {
 }
 
 TEST_F(IdentifyTest, ParametersOfARecordingAreInTheResult) {
-  ExpectSuccess("simulate --scene " + WriteScene(SphereScene()) + " --set k_stretch=120 --output a.bin");
-  ExpectSuccess("simulate --scene " + WriteScene(SphereScene()) + " --set k_stretch=120 --output b.bin");
+  ExpectSuccess("simulate --scene " + WriteScene(SphereJson()) + " --set k_stretch=120 --output a.bin");
+  ExpectSuccess("simulate --scene " + WriteScene(SphereJson()) + " --set k_stretch=120 --output b.bin");
   const ToolResult fit = Run(
       "identify --target a.bin,b.bin --fit k_stretch,shift --each time_offset --start shift=0.001,time_offset@2=0.002 "
       "--lower time_offset=-0.01 --output result");
@@ -152,7 +152,7 @@ TEST_F(IdentifyTest, ChecksRecordingsFirst) {
   ExpectRefused(fit + "mm.bin", 2, "mm.bin: cannot be fitted as it is: edge lengths");
   ExpectRefused(fit + "good.bin,mm.bin", 2, "--scale 0.001 (--check=false fits it anyway)");
   EXPECT_NE(Run(fit + "mm.bin --check=false").exit_code, 2);
-  nlohmann::ordered_json scene = SphereScene();
+  nlohmann::ordered_json scene = SphereJson();
   scene["materials"]["density"] = 150;
   WriteScene(scene, "grams.json");
   const std::string told = Run(fit + "good.bin --scene grams.json").err;

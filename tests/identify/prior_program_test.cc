@@ -13,7 +13,7 @@ using Json = nlohmann::ordered_json;
 class PriorProgramTest : public ToolTest {
  protected:
   PriorProgramTest() {
-    ExpectSuccess("simulate --scene " + WriteScene(SphereScene()) + " --noise 1e-4 --set k_stretch=120 --output a.bin");
+    ExpectSuccess("simulate --scene " + WriteScene(SphereJson()) + " --noise 1e-4 --set k_stretch=120 --output a.bin");
   }
 
   Json Parameters(const std::string& folder_name) const {
@@ -46,7 +46,7 @@ TEST_F(PriorProgramTest, FlagSceneAndLibraryAreOne) {
   const std::string identify = "identify --target a.bin --fit k_stretch --report=false ";
   EXPECT_EQ(Run(identify + "--prior k_stretch=150:1.01 --output flag").exit_code, 0);
   const double value = Parameters("flag")["k_stretch"]["value"];
-  Json scene = SphereScene();
+  Json scene = SphereJson();
   scene["initial"] = {{"positions", "rest"}};  // as the recording has it
   scene["parameters"] = Json::parse(R"({"k_stretch": {"prior": {"median": 150, "factor": 1.01}}})");
   EXPECT_EQ(Run(identify + "--scene " + WriteScene(scene, "believed.json") + " --output scene").exit_code, 0);
@@ -65,14 +65,14 @@ TEST_F(PriorProgramTest, RefusesPriorsWithoutEffect) {
   ExpectFlagsRefused("--fit k_stretch --prior k_stretch=100", "--prior: expected NAME=MEDIAN:FACTOR");
   ExpectFlagsRefused("--fit k_stretch --prior k_stretch=100:0.5", "the prior of 'k_stretch': expected MEDIAN:FACTOR");
   ExpectFlagsRefused("--fit mu --prior mu=0.3:0", "the prior of 'mu': expected MEAN:STD");
-  Json scene = SphereScene();
+  Json scene = SphereJson();
   scene["parameters"] = Json::parse(R"({"k_stretch": {"frozen": true}})");
   ExpectFlagsRefused("--scene " + WriteScene(scene, "frozen.json") + " --fit mu,k_stretch --prior k_stretch=100:2",
                      "the prior of 'k_stretch' has no effect: the scene freezes the parameter");
 }
 
 TEST_F(PriorProgramTest, FabricsGiveWhatTheSceneDoesNot) {
-  Json scene = SphereScene();
+  Json scene = SphereJson();
   scene["clothid_scene"] = 2;
   scene["materials"] = {{"density", 0.15}};
   ExpectSuccess("simulate --scene " + WriteScene(scene, "bare.json") + " --fabric knit --noise 1e-4 --output knit.bin");

@@ -28,7 +28,7 @@ std::string WithoutRun(const std::string& text) {
 class RunTest : public ToolTest {
  protected:
   RunTest() {
-    const std::string simulate = "simulate --scene " + WriteScene(SphereScene()) + " --noise 1e-4 --set k_stretch=120 ";
+    const std::string simulate = "simulate --scene " + WriteScene(SphereJson()) + " --noise 1e-4 --set k_stretch=120 ";
     ExpectSuccess(simulate + "--output fitted.bin");
     ExpectSuccess(simulate + "--seed 2 --output held_out.bin");
   }

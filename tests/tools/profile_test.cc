@@ -54,7 +54,7 @@ TEST_F(ProfileTest, BareSceneRunsNoContactBendingDragOrDamping) {
 }
 
 TEST_F(ProfileTest, SphereRunsContactAlone) {
-  const std::set<std::string> files = ExecutedFiles(SphereScene());
+  const std::set<std::string> files = ExecutedFiles(SphereJson());
   for (const char* file : {"contact.cc", "contact_law.cc", "contact_law.h", "contact_elimination.cc", "obstacle.cc"})
     EXPECT_EQ(files.count(file), 1u) << file;
   for (const char* file : {"bending_energy.cc", "air_drag.cc", "strain_rate_damping.cc"})

@@ -105,7 +105,7 @@ inline nlohmann::ordered_json BareScene() {
 }
 
 // The same over a sphere that it falls on at once.
-inline nlohmann::ordered_json SphereScene() {
+inline nlohmann::ordered_json SphereJson() {
   nlohmann::ordered_json scene = BareScene();
   scene["obstacles"] = nlohmann::ordered_json::parse(
       R"([{"name": "ball", "type": "sphere", "center": [0.1, 0.2, -0.1005], "radius": 0.1, "mu": 0.3}])");

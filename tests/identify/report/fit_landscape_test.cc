@@ -12,7 +12,7 @@ namespace {
 class FitLandscapeTest : public ToolTest {
  protected:
   FitLandscapeTest() {
-    const std::string scene = WriteScene(SphereScene());
+    const std::string scene = WriteScene(SphereJson());
     for (const auto& [name, mu] : {std::pair("a.bin", "0.2"), std::pair("b.bin", "0.25")}) {
       const ToolResult result =
           Run("simulate --scene " + scene + " --set k_stretch=120,mu=" + mu + " --output " + name);

@@ -24,7 +24,7 @@ class RepetitionBrowserTest : public PageBrowserTest {
   void OpenPooled() { Open(MadePooledHtml()); }
 
   void OpenFit() {
-    const std::string scene = WriteScene(SphereScene());
+    const std::string scene = WriteScene(SphereJson());
     ASSERT_EQ(Run("simulate --scene " + scene + " --noise 0.001 --output a.bin").exit_code, 0);
     const std::vector<RecordedMotion> motions = {ReadMotion((folder() / "a.bin").string())};
     FitOptions fit;

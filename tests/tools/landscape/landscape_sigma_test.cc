@@ -13,7 +13,7 @@ namespace {
 class LandscapeSigmaTest : public ToolTest {
  protected:
   LandscapeSigmaTest() {
-    nlohmann::ordered_json scene = SphereScene();
+    nlohmann::ordered_json scene = SphereJson();
     scene["duration"] = 0.1;
     const std::string simulate = "simulate --set mu=0.2,k_stretch=120 --noise 0.002 --scene " + WriteScene(scene);
     EXPECT_EQ(Run(simulate + " --output known.bin").exit_code, 0);

@@ -32,7 +32,7 @@ const std::vector<std::string> kScan = {"--target",      "a.bin",
 class LandscapeTest : public ToolTest {
  protected:
   LandscapeTest() {
-    nlohmann::ordered_json scene = SphereScene();
+    nlohmann::ordered_json scene = SphereJson();
     scene["duration"] = 0.1;
     EXPECT_EQ(Run("simulate --scene " + WriteScene(scene) + " --set mu=0.2,k_stretch=120 --output a.bin").exit_code, 0);
   }
@@ -202,7 +202,7 @@ TEST_F(LandscapeTest, RefusesShardsThatDoNotFit) {
 }
 
 TEST_F(LandscapeTest, AFailedRolloutIsNoNumber) {
-  nlohmann::ordered_json scene = SphereScene();
+  nlohmann::ordered_json scene = SphereJson();
   scene["solver"] = {{"max_newton_iterations", 1}, {"max_substep_halvings", 0}};
   WriteScene(scene, "hopeless.json");
   const ToolResult result =

@@ -40,7 +40,7 @@ std::string WithHeader(const std::string& bytes, Json header) {
 class MotionTest : public ToolTest {
  protected:
   MotionTest() {
-    ExpectSuccess("simulate --scene " + WriteScene(SphereScene()) + " --output good.bin --noise 0.001 --drop 0.1");
+    ExpectSuccess("simulate --scene " + WriteScene(SphereJson()) + " --output good.bin --noise 0.001 --drop 0.1");
     good_ = ReadBytes(folder() / "good.bin");
   }
 
@@ -94,7 +94,7 @@ TEST_F(MotionTest, InfoEscapesControlCharacters) {
 TEST_F(MotionTest, NamesOtherKindsOfFiles) {
   ExpectBad("\x1f\x8b" + std::string(200, 'x'), "bad.bin: is packed with gzip; expected a recording, motion.bin");
   ExpectBad(std::string("\x1f\x8b\x08\0\0\0\0\0", 8) + std::string(600000, 'x'), "is packed with gzip");
-  ExpectBad(SphereScene().dump(), "bad.bin: is JSON text");
+  ExpectBad(SphereJson().dump(), "bad.bin: is JSON text");
   ExpectBad("t,id,x,y,z\n0,0,1,2,3\n", "bad.bin: is text");
 }
 

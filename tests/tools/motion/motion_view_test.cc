@@ -10,7 +10,7 @@ namespace {
 
 class MotionViewTest : public ToolTest {
  protected:
-  MotionViewTest() { ExpectSuccess("simulate --scene " + WriteScene(SphereScene()) + " --output good.bin"); }
+  MotionViewTest() { ExpectSuccess("simulate --scene " + WriteScene(SphereJson()) + " --output good.bin"); }
 
   bool IsPage(const std::string& name) const {
     return std::filesystem::exists(folder() / name) && ReadBytes(folder() / name).rfind("<!DOCTYPE html>", 0) == 0;
@@ -64,7 +64,7 @@ TEST_F(MotionViewTest, RefusesWhatItCannotShow) {
 }
 
 TEST_F(MotionViewTest, TellsWhereASceneDoesNotConverge) {
-  nlohmann::ordered_json scene = SphereScene();
+  nlohmann::ordered_json scene = SphereJson();
   scene["solver"] = {{"max_newton_iterations", 1}, {"max_substep_halvings", 0}, {"step_tolerance", 1e-14}};
   ExpectRefused("motion view " + WriteScene(scene, "stiff.json"), 3, "step ");
 }

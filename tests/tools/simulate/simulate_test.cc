@@ -28,15 +28,15 @@ class SimulateTest : public ToolTest {
 
 TEST_F(SimulateTest, SameSeedSameBytes) {
   const std::string flags = "--noise 0.001 --drop 0.1 --markers 6 --seed ";
-  const std::string first = Record(SphereScene(), flags + "7");
-  EXPECT_EQ(Record(SphereScene(), flags + "7"), first);
-  EXPECT_NE(Record(SphereScene(), flags + "8"), first);
+  const std::string first = Record(SphereJson(), flags + "7");
+  EXPECT_EQ(Record(SphereJson(), flags + "7"), first);
+  EXPECT_NE(Record(SphereJson(), flags + "8"), first);
 }
 
 TEST_F(SimulateTest, TheTruthMovesTheClothAndIsWrittenNowhere) {
-  const std::string nominal = Record(SphereScene(), "");
+  const std::string nominal = Record(SphereJson(), "");
   const MotionTensors before = ReadMotionTensors((folder() / "out.bin").string());
-  const std::string bytes = Record(SphereScene(), "--set mu=0.234567,k_stretch=456.789");
+  const std::string bytes = Record(SphereJson(), "--set mu=0.234567,k_stretch=456.789");
   const MotionTensors after = ReadMotionTensors((folder() / "out.bin").string());
   EXPECT_GT((after.positions - before.positions).norm(), 1e-6);
   EXPECT_EQ(after.scene_text, before.scene_text);
@@ -55,7 +55,7 @@ TEST_F(SimulateTest, TheTruthMayBendWhereTheSceneDoesNot) {
 }
 
 TEST_F(SimulateTest, PrintsASummary) {
-  const ToolResult result = Run("simulate --scene " + WriteScene(SphereScene()) + " --output out.bin");
+  const ToolResult result = Run("simulate --scene " + WriteScene(SphereJson()) + " --output out.bin");
   EXPECT_EQ(result.exit_code, 0) << result.err;
   for (const char* part : {"out.bin: 6 frames of 16 points", "5 steps of 0.01 s", "Newton iterations", "fallbacks",
                            "substeps", "stick", "slip", "joined", "left", "branch switches", "obstacle switches"}) {
@@ -78,7 +78,7 @@ TEST_F(SimulateTest, WarnsOfEnergyFromNowhere) {
 }
 
 TEST_F(SimulateTest, RefusesWrongFlags) {
-  const std::string scene = WriteScene(SphereScene());
+  const std::string scene = WriteScene(SphereJson());
   const std::string command = "simulate --scene " + scene + " --output out.bin ";
   ExpectRefused("simulate --output out.bin", 1, "--scene");
   ExpectRefused("simulate --scene " + scene, 1, "--output");
@@ -102,7 +102,7 @@ TEST_F(SimulateTest, RefusesWrongFlags) {
 }
 
 TEST_F(SimulateTest, RefusesToReplaceItsInputs) {
-  Json json = SphereScene();
+  Json json = SphereJson();
   json["mesh"]["grid"]["nodes"] = {4, 4};
   json["handles"] = {{"nodes", {0}}, {"path", "path.csv"}};
   WriteBytes(folder() / "path.csv", "time,x0,y0,z0\n0,0,0,0\n");
@@ -119,13 +119,13 @@ TEST_F(SimulateTest, RefusesToReplaceItsInputs) {
 }
 
 TEST_F(SimulateTest, ReadsAPipeOnce) {
-  const std::string bytes = Record(SphereScene(), "");
+  const std::string bytes = Record(SphereJson(), "");
   ExpectSuccess("bash -c 'simulate --scene <(cat scene.json) --output piped.bin'");
   EXPECT_EQ(ReadBytes(folder() / "piped.bin"), bytes);
 }
 
 TEST_F(SimulateTest, RefusesNamesOfOtherFormats) {
-  const std::string command = "simulate --scene " + WriteScene(SphereScene()) + " --output ";
+  const std::string command = "simulate --scene " + WriteScene(SphereJson()) + " --output ";
   for (const char* name : {"out.csv", "out.npy", "out"}) {
     ExpectRefused(command + name, 1, std::string(name) + ": expected a name that ends in .bin");
   }
@@ -135,7 +135,7 @@ TEST_F(SimulateTest, RefusesNamesOfOtherFormats) {
 }
 
 TEST_F(SimulateTest, AFormatThatCannotHoldTheMotionLeavesNothing) {
-  Json scene = SphereScene();
+  Json scene = SphereJson();
   scene["handles"] = {{"nodes", {0}}, {"path", "path.csv"}};
   WriteBytes(folder() / "path.csv", "time,x0,y0,z0\n0,0,0,0\n");
   WriteBytes(folder() / "sensor.json", R"({"clothid_sensor": 1, "interval": [0.01, 0.01], "drop_fraction": 0.5})");
@@ -148,7 +148,7 @@ TEST_F(SimulateTest, AFormatThatCannotHoldTheMotionLeavesNothing) {
 
 // Neither after a long simulation nor by a lack of memory.
 TEST_F(SimulateTest, RefusesRecordingsThatAreTooLarge) {
-  Json scene = SphereScene();
+  Json scene = SphereJson();
   scene["mesh"]["grid"]["nodes"] = {60, 60};
   scene["handles"] = {0};
   const std::string command = "simulate --scene " + WriteScene(scene) + " --output out.bin ";
@@ -168,7 +168,7 @@ TEST_F(SimulateTest, RefusesRolloutsThatNoMachineHolds) {
 }
 
 TEST_F(SimulateTest, RefusesWrongParameters) {
-  const std::string command = "simulate --scene " + WriteScene(SphereScene()) + " --output out.bin --set ";
+  const std::string command = "simulate --scene " + WriteScene(SphereJson()) + " --output out.bin --set ";
   ExpectRefused(command + "mu=nan", 1, "mu=nan");
   ExpectRefused(command + "mu=inf", 1, "mu=inf");
   ExpectRefused(command + "mu=-0.1", 1, "mu");
@@ -187,31 +187,31 @@ TEST_F(SimulateTest, RefusesWrongParameters) {
 }
 
 TEST_F(SimulateTest, RefusesUnusableScenes) {
-  Json scene = SphereScene();
+  Json scene = SphereJson();
   scene["time_stepp"] = 0.01;
   ExpectSceneRefused(scene, 2, "time_stepp");
-  scene = SphereScene();
+  scene = SphereJson();
   scene["obstacles"][0]["friction"] = 0.3;
   ExpectSceneRefused(scene, 2, "obstacles[0].friction");
-  scene = SphereScene();
+  scene = SphereJson();
   scene["obstacles"][0]["mu"] = -0.3;
   ExpectSceneRefused(scene, 2, "obstacles[0].mu");
-  scene = SphereScene();
+  scene = SphereJson();
   scene["obstacles"][0]["type"] = "knot";
   ExpectSceneRefused(scene, 2, "knot");
-  scene = SphereScene();
+  scene = SphereJson();
   scene["materials"]["k_stretch"] = -1.0;
   ExpectSceneRefused(scene, 2, "materials.k_stretch");
-  scene = SphereScene();
+  scene = SphereJson();
   scene["materials"]["density"] = "light";
   ExpectSceneRefused(scene, 2, "materials.density");
-  scene = SphereScene();
+  scene = SphereJson();
   scene["handles"] = {0, 16};
   ExpectSceneRefused(scene, 2, "handles");
-  scene = SphereScene();
+  scene = SphereJson();
   scene["time_step"] = 0.0;
   ExpectSceneRefused(scene, 2, "time_step");
-  scene = SphereScene();
+  scene = SphereJson();
   scene.erase("mesh");
   ExpectSceneRefused(scene, 2, "mesh");
 }
@@ -222,7 +222,7 @@ TEST_F(SimulateTest, NamesTheLineOfAnUnknownKey) {
 }
 
 TEST_F(SimulateTest, RefusesBrokenText) {
-  const std::string text = SphereScene().dump(2);
+  const std::string text = SphereJson().dump(2);
   WriteBytes(folder() / "scene.json", text.substr(0, text.size() / 2));
   ExpectRefused("simulate --scene scene.json --output out.bin", 2, "scene.json");
   WriteBytes(folder() / "scene.json", "");
@@ -232,19 +232,19 @@ TEST_F(SimulateTest, RefusesBrokenText) {
 }
 
 TEST_F(SimulateTest, RefusesFilesThatCannotBeOpenedOrWritten) {
-  const std::string scene = WriteScene(SphereScene());
+  const std::string scene = WriteScene(SphereJson());
   ExpectRefused("simulate --scene absent.json --output out.bin", 1, "absent.json");
   ExpectRefused("simulate --scene " + scene + " --output absent/out.bin", 1, "absent/out.bin");
   ExpectRefused("simulate --scene " + scene + " --output " + scene + "/out.bin", 1, scene + "/out.bin");
   ExpectRefused("simulate --scene " + scene + " --output /proc/out.bin", 1, "/proc/out.bin");
-  Json no_mesh = SphereScene();
+  Json no_mesh = SphereJson();
   no_mesh["mesh"] = {{"obj", "absent.obj"}};
   ExpectSceneRefused(no_mesh, 1, "absent.obj");
 }
 
 // A start so fast that its squares overflow: no step can end.
 TEST_F(SimulateTest, AStepThatDoesNotConvergeWritesNothing) {
-  Json scene = SphereScene();
+  Json scene = SphereJson();
   scene["initial"] = {{"velocity", {0.0, 0.0, -1e160}}};
   ExpectSceneRefused(scene, 3, "step 1 did not converge");
 }
