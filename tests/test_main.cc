@@ -21,20 +21,30 @@ std::string NameOfFile(const std::string& path) {
 // A literal of CMake.
 std::string Quoted(const std::string& text) { return "[==[" + text + "]==]"; }
 
-// Adds every case as a test with the properties LABELS and COST from the variables label_<file> and cost_<file>.
+// Adds a test of all cases that `filter` takes, with the properties LABELS and COST from the variables label_<file> and
+// cost_<file>.
+void WriteTest(const std::string& program, const std::string& file, const std::string& filter, const std::string& name,
+               std::ostream& script) {
+  const std::string test = Quoted(file + "." + name);
+  script << "add_test(" << test << " " << Quoted(program) << " " << Quoted("--gtest_filter=" + filter) << ")\n"
+         << "set_tests_properties(" << test << " PROPERTIES LABELS \"${label_" << file << "}\" COST \"${cost_" << file
+         << "}\" SKIP_REGULAR_EXPRESSION " << Quoted("\\[  SKIPPED \\]") << ")\n";
+}
+
+// Adds every case as a test, or the cases of a suite as one where the variable as_one_<file> is set.
 void WriteList(const std::string& program, std::ostream& script) {
   const ::testing::UnitTest& all = *::testing::UnitTest::GetInstance();
   for (int i = 0; i < all.total_test_suite_count(); ++i) {
     const ::testing::TestSuite& suite = *all.GetTestSuite(i);
+    const std::string suite_name = suite.name(), file = NameOfFile(suite.GetTestInfo(0)->file());
+    script << "if(as_one_" << file << ")\n";
+    WriteTest(program, file, suite_name + ".*", suite_name, script);
+    script << "else()\n";
     for (int j = 0; j < suite.total_test_count(); ++j) {
-      const ::testing::TestInfo& info = *suite.GetTestInfo(j);
-      const std::string name = std::string(suite.name()) + "." + info.name();
-      const std::string file = NameOfFile(info.file());
-      const std::string test = Quoted(file + "." + name);
-      script << "add_test(" << test << " " << Quoted(program) << " " << Quoted("--gtest_filter=" + name) << ")\n"
-             << "set_tests_properties(" << test << " PROPERTIES LABELS \"${label_" << file << "}\" COST \"${cost_"
-             << file << "}\" SKIP_REGULAR_EXPRESSION " << Quoted("\\[  SKIPPED \\]") << ")\n";
+      const std::string name = suite_name + "." + suite.GetTestInfo(j)->name();
+      WriteTest(program, NameOfFile(suite.GetTestInfo(j)->file()), name, name, script);
     }
+    script << "endif()\n";
   }
 }
 

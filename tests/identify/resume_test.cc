@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using Seconds = std::chrono::duration<double>;
 
-constexpr int kKillsPerMethod = 15;
+constexpr int kKillsPerMethod = 6;
 
 std::vector<std::string> Names(const std::map<std::string, std::string>& files) {
   std::vector<std::string> names;

@@ -34,15 +34,22 @@ class Browser {
  public:
   using Json = nlohmann::json;
 
-  // One page of that size. Throws std::runtime_error where the browser does not answer, here as in all that follows.
-  Browser(const std::string& program, int width, int height) {
+  // Throws std::runtime_error where the browser does not answer, here as in all that follows.
+  explicit Browser(const std::string& program) {
     Start(program, {"--headless=new", "--remote-debugging-pipe", "--no-sandbox", "--use-angle=swiftshader",
                     "--enable-unsafe-swiftshader", "--disable-dev-shm-usage", "--no-first-run", "--hide-scrollbars",
                     "--disable-background-networking", "--disable-component-update", "--force-device-scale-factor=1",
-                    "--window-size=" + std::to_string(width) + "," + std::to_string(height),
-                    "--user-data-dir=" + profile_.path(), "about:blank"});
-    const std::string target = Call("Target.createTarget", {{"url", "about:blank"}})["targetId"];
-    session_ = Call("Target.attachToTarget", {{"targetId", target}, {"flatten", true}})["sessionId"];
+                    "--window-size=1200,900", "--user-data-dir=" + profile_.path(), "about:blank"});
+  }
+
+  // A new page of that size, about which nothing is known yet; the one before is closed.
+  void OpenPage(int width, int height) {
+    session_.clear();
+    if (!target_.empty()) Call("Target.closeTarget", {{"targetId", target_}});
+    target_ = Call("Target.createTarget", {{"url", "about:blank"}})["targetId"];
+    session_ = Call("Target.attachToTarget", {{"targetId", target_}, {"flatten", true}})["sessionId"];
+    complaints_.clear();
+    requests_.clear();
     for (const char* domain : {"Page", "Runtime", "Network", "Log"}) Call(std::string(domain) + ".enable");
     Call("Emulation.setDeviceMetricsOverride",
          {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", false}});
@@ -251,7 +258,7 @@ class Browser {
   TemporaryFolder profile_;
   Process process_;
   int last_id_ = 0;
-  std::string session_, received_;
+  std::string target_, session_, received_;  // of the page; what came in and was not read yet
   std::vector<std::string> complaints_, requests_;
 };
 

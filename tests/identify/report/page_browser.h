@@ -24,13 +24,16 @@ class PageBrowserTest : public ToolTest {
     const std::optional<std::string> chromium = FindChromium();
     if (!chromium) GTEST_SKIP() << "the package chromium is absent: install it, or set CHROMIUM to another Chromium";
     try {
-      browser_ = std::make_unique<Browser>(*chromium, 1200, 900);
+      if (!browser_) browser_ = std::make_unique<Browser>(*chromium);
+      browser_->OpenPage(1200, 900);
     } catch (const std::runtime_error&) {
       const ToolResult alone = Run("'" + *chromium + "' --headless=new --no-sandbox --dump-dom about:blank");
       if (alone.exit_code == 0) throw;
       GTEST_SKIP() << "the package chromium is damaged: '" << *chromium << "' ends with: " << LastLine(alone.err);
     }
   }
+
+  static void TearDownTestSuite() { browser_.reset(); }
 
   Browser& browser() { return *browser_; }
   Json Text(const std::string& id) { return browser_->Evaluate("document.getElementById('" + id + "').textContent"); }
@@ -89,7 +92,7 @@ class PageBrowserTest : public ToolTest {
   }
 
  private:
-  std::unique_ptr<Browser> browser_;
+  inline static std::unique_ptr<Browser> browser_;  // of all cases of a suite, with a page for each
 };
 
 }  // namespace clothid

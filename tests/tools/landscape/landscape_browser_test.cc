@@ -39,11 +39,13 @@ class LandscapeBrowserTest : public testing::Test {
   void SetUp() override {
     if (!FindChromium())
       GTEST_SKIP() << "the package chromium is absent: install it, or set CHROMIUM to another Chromium";
+    if (!browser_) browser_ = std::make_unique<Browser>(*FindChromium());
   }
+  static void TearDownTestSuite() { browser_.reset(); }
 
   // In a window of that size; without 3D where there is no room for surfaces.
   void Open(const LandscapePart& part, int width = 600, int height = 900) {
-    browser_ = std::make_unique<Browser>(*FindChromium(), width, height);
+    browser_->OpenPage(width, height);
     Load(part);
   }
   void Load(const LandscapePart& part) {
@@ -66,7 +68,7 @@ class LandscapeBrowserTest : public testing::Test {
 
  private:
   TemporaryFolder folder_;
-  std::unique_ptr<Browser> browser_;
+  inline static std::unique_ptr<Browser> browser_;
 };
 
 TEST_F(LandscapeBrowserTest, FitsEveryWindow) {
