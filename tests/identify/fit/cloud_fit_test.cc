@@ -33,7 +33,7 @@ FitSummary RunFit(const RecordedMotion& motion, const FitOptions& options) {
   return Fit(options, &problem);
 }
 
-// The shipped scene `drape`, as a camera sees it that follows nothing: 300 points per frame with 2 mm of noise.
+// The shipped scene `drape`, as a camera sees it that follows nothing: 150 points per frame with 2 mm of noise.
 class DrapeCloudTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -47,7 +47,7 @@ class DrapeCloudTest : public testing::Test {
     const Rollout rollout = Simulate(truth, scene.num_steps(), &simulator);
     ASSERT_TRUE(rollout.ok()) << rollout.failure->ToString();
     SyntheticOptions options;
-    options.num_cloud_points = 300;
+    options.num_cloud_points = 150;
     options.noise_sigma = 2e-3;
     const TemporaryFolder folder;
     WriteMotion(RecordRollout(rollout, scene, text, options), folder.File("drape.bin"));
@@ -105,6 +105,8 @@ TEST_F(DrapeCloudTest, OutliersNeedALoss) {
   const RecordedMotion motion = WithOutliers();
   FitOptions huber = WithLoss("huber:2"), none = WithLoss("none");
   huber.growing_horizon = none.growing_horizon = false;
+  huber.assimilate = none.assimilate = ParseAssimilation("off");
+  none.max_iterations = 8;  // it does not come nearer to the truth with more
   const FitSummary robust = RunFit(motion, huber), squares = RunFit(motion, none);
   ExpectTruthWithin(0.03, robust);
   EXPECT_GT(RelativeError(squares), 2.0 * RelativeError(robust));
