@@ -1,4 +1,4 @@
-// What repetitions tell, for programs and for people; and the result.json of a run that judges finished fits.
+// What repetitions tell, for people.
 #ifndef CLOTHID_IDENTIFY_REPORT_REPETITION_REPORT_H_
 #define CLOTHID_IDENTIFY_REPORT_REPETITION_REPORT_H_
 
@@ -9,17 +9,6 @@
 #include "identify/verdict/verdict.h"
 
 namespace clothid {
-
-// "repetitions" of result.json. Of every parameter: the estimates of all recordings in their own units, with weight,
-// deviation from the others in joint standard deviations, and whether they fit (null where they are not pooled); the
-// mean, its interval and that of the next specimen, in its own unit; "scatter" (tau with its interval, and by Paule and
-// Mandel), "difference" (tau and typical_std together), "typical_std" and "common_error" in the coordinate: of the
-// logarithm where "scale" is "log", so 0.12 is 12 %.
-nlohmann::ordered_json RepetitionsJson(const Repetitions& repetitions);
-
-// The text of result.json where there is no joint fit: "status" is "pooled", and of "parameters" value, std, lower95
-// and upper95 are those of the mean.
-std::string PooledResultJson(const FitSummary& summary, const FitChecks& checks, const Verdict& verdict);
 
 // Rows of the table: of every parameter each estimate with its interval, the mean, the next specimen, the scatter.
 std::string RepetitionRows(const Repetitions& repetitions);

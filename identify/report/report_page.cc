@@ -13,7 +13,7 @@
 #include "identify/report/report_fields.h"
 #include "identify/report/report_landscape.h"
 #include "identify/report/report_replay.h"
-#include "identify/report/result_json.h"
+#include "identify/result/result_json.h"
 #include "identify/verdict/model_error_text.h"
 
 namespace clothid {

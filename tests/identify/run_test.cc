@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "identify/report/result_json.h"
+#include "identify/result/result_json.h"
 #include "tests/expect_error.h"
 #include "tests/tools/tool_test.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "identify/report/result_json.h"
+#include "identify/result/result_json.h"
 #include "identify/run.h"
 #include "tests/costs/synthetic_motion.h"
 #include "tests/identify/simulated_recordings.h"

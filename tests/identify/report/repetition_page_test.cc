@@ -7,6 +7,7 @@
 
 #include "identify/report/repetition_report.h"
 #include "identify/report/report_page.h"
+#include "identify/result/repetition_json.h"
 #include "tests/costs/synthetic_motion.h"
 #include "tests/identify/report/made_repetitions.h"
 #include "tests/identify/report/packed_page.h"

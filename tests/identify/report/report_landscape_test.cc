@@ -167,7 +167,7 @@ TEST(ReportLandscapeTest, RegionIsTheJointOne) {
   EXPECT_EQ(ConfidenceRegion(landscape, summary).cols(), 0);
 }
 
-TEST(FitLandscapeTest, AxesAreParametersOfTheFit) {
+TEST(ReportLandscapeTest, AxesAreParametersOfTheFit) {
   const RecordedMotion motion = Motion();
   const auto match = [&](std::vector<std::string> shared, std::vector<std::string> each, int recording) {
     FitOptions options;
@@ -186,7 +186,7 @@ TEST(FitLandscapeTest, AxesAreParametersOfTheFit) {
   ExpectError([&] { match({"mu.ball", "k_stretch"}, {}, 0); }, ErrorKind::kUsage, {"--landscape: cost", "'mu'"});
 }
 
-TEST(FitLandscapeTest, CostTellsTheRmse) {
+TEST(ReportLandscapeTest, CostTellsTheRmse) {
   RecordedMotion motion = Motion();
   motion.positions.block<3, 1>(3 * 7, 3).setConstant(kNaN);
   motion.positions(3 * 9, 4) = kNaN;

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "identify/report/report_page.h"
-#include "identify/report/result_json.h"
+#include "identify/result/result_json.h"
 #include "tests/costs/synthetic_motion.h"
 
 namespace clothid::report_test {

@@ -2,7 +2,7 @@
 // held against estimates that they have not moved.
 #include <algorithm>
 
-#include "identify/report/result_json.h"
+#include "identify/result/result_json.h"
 #include "identify/run.h"
 #include "tests/costs/synthetic_motion.h"
 

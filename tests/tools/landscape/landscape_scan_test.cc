@@ -11,7 +11,7 @@
 #include "costs/rows/rollout_evaluator.h"
 #include "identify/fit/fit.h"
 #include "identify/landscape/scanned_fit.h"
-#include "identify/report/result_json.h"
+#include "identify/result/result_json.h"
 #include "sim/base/json_document.h"
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"

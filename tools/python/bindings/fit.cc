@@ -8,7 +8,7 @@
 #include "identify/base/output_folder.h"
 #include "identify/report/report.h"
 #include "identify/report/report_page.h"
-#include "identify/report/result_json.h"
+#include "identify/result/result_json.h"
 #include "identify/run.h"
 #include "identify/run_flags.h"
 #include "tools/python/bindings/arrays.h"

@@ -1,4 +1,4 @@
-#include "identify/report/varying_json.h"
+#include "identify/result/varying_json.h"
 
 #include <string>
 

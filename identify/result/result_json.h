@@ -1,6 +1,6 @@
 // result.json, what programs read of a fit.
-#ifndef CLOTHID_IDENTIFY_REPORT_RESULT_JSON_H_
-#define CLOTHID_IDENTIFY_REPORT_RESULT_JSON_H_
+#ifndef CLOTHID_IDENTIFY_RESULT_RESULT_JSON_H_
+#define CLOTHID_IDENTIFY_RESULT_RESULT_JSON_H_
 
 #include <string>
 #include <vector>
@@ -23,4 +23,4 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
 
 }  // namespace clothid
 
-#endif  // CLOTHID_IDENTIFY_REPORT_RESULT_JSON_H_
+#endif  // CLOTHID_IDENTIFY_RESULT_RESULT_JSON_H_

@@ -1,8 +1,7 @@
-#include "identify/report/result_json.h"
+#include "identify/result/result_json.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -10,27 +9,17 @@
 #include "identify/base/model_error_json.h"
 #include "identify/base/source_names.h"
 #include "identify/base/version.h"
-#include "identify/prediction/bands.h"
-#include "identify/report/repetition_report.h"
-#include "identify/report/varying_json.h"
+#include "identify/result/checks_json.h"
+#include "identify/result/corrections_json.h"
+#include "identify/result/named_json.h"
+#include "identify/result/repetition_json.h"
+#include "identify/result/uncertainty_json.h"
+#include "identify/result/varying_json.h"
 
 namespace clothid {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// JSON text has null for NaN and infinity.
-constexpr double kNull = std::numeric_limits<double>::quiet_NaN();
-
-// Null where there are no values.
-Json NamedJson(const std::vector<FittedParameter>& parameters, const Eigen::VectorXd& values) {
-  if (values.size() == 0) return nullptr;
-  Json json = Json::object();
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    json[parameters[i].name] = values[static_cast<Eigen::Index>(i)];
-  }
-  return json;
-}
 
 // What was believed, and what was told beside it; null where the estimate stands at its bound.
 Json PriorJson(const FitSummary& summary, std::size_t index) {
@@ -57,11 +46,11 @@ Json ParametersJson(const FitSummary& summary, const FitChecks& checks, const Ve
     const std::optional<bool> identifiable = IsIdentifiable(summary, checks, static_cast<int>(i));
     const bool has_interval = HasInterval(summary, checks, static_cast<int>(i));
     const bool has_end = has_interval || HasExcludedSide(summary, checks, static_cast<int>(i));
-    const auto shown = [&](double value) { return has_interval ? value : kNull; };
+    const auto shown = [&](double value) { return has_interval ? value : kJsonNull; };
     json[parameter.name] = {{"value", parameter.value},
                             {"std", shown(uncertainty.std)},
-                            {"lower95", has_end ? uncertainty.lower95 : kNull},
-                            {"upper95", has_end ? uncertainty.upper95 : kNull},
+                            {"lower95", has_end ? uncertainty.lower95 : kJsonNull},
+                            {"upper95", has_end ? uncertainty.upper95 : kJsonNull},
                             {"start", parameter.start},
                             {"lower_bound", parameter.lower_bound},
                             {"upper_bound", parameter.upper_bound},
@@ -79,81 +68,6 @@ Json ParametersJson(const FitSummary& summary, const FitChecks& checks, const Ve
     if (!std::isnan(uncertainty.stall_error)) json[parameter.name]["stall_error"] = uncertainty.stall_error;
     if (!summary.starts.empty()) json[parameter.name]["known_start_std"] = uncertainty.known_start_std;
   }
-  return json;
-}
-
-Json StepChoiceJson(const StepChoice& choice) {
-  Json trials = Json::array();
-  double taken = kNull;
-  for (const StepTrial& trial : choice.trials) {
-    if (choice.found && trial.level == choice.level) taken = trial.time_step;
-    trials.push_back(
-        {{"time_step", trial.time_step}, {"error_over_noise", trial.error_over_noise}, {"order", trial.order}});
-  }
-  return {{"chosen", taken}, {"needed", choice.needed}, {"trials", trials}};
-}
-
-Json IntervalCheckJson(const FitSummary& summary) {
-  if (!summary.interval_check) return nullptr;
-  const IntervalCheck& check = *summary.interval_check;
-  return {{"parameter", summary.parameters[check.parameter].name},
-          {"rise_below", check.rise_below},
-          {"rise_above", check.rise_above}};
-}
-
-// Of parameters, and of directions in their words.
-Json BoundChecksJson(const FitSummary& summary) {
-  Json json = Json::array();
-  for (const BoundCheck& check : summary.bound_checks) {
-    json.push_back({{"of", check.parameter >= 0 ? summary.parameters[check.parameter].name
-                                                : summary.uncertainty->hidden_directions[check.direction].words},
-                    {"rise_below", check.rise_below},
-                    {"rise_above", check.rise_above}});
-  }
-  return json;
-}
-
-Json DentsJson(const FitSummary& summary) {
-  Json json = Json::object();
-  for (const DentCheck& check : summary.dents) {
-    json[summary.parameters[check.parameter].name] = {{"step", check.step},
-                                                      {"expected_rise", check.expected_rise},
-                                                      {"rise_below", check.rise_below},
-                                                      {"rise_above", check.rise_above},
-                                                      {"is_dent", check.is_dent()}};
-  }
-  return json;
-}
-
-Json UncertaintyJson(const FitSummary& summary) {
-  if (!summary.uncertainty) return nullptr;
-  const Uncertainty& uncertainty = *summary.uncertainty;
-  Json correlation = Json::object(), directions = Json::array(), visible = Json::object(), distance = Json::object();
-  Json widening = Json::object();
-  for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
-    const Eigen::Index row = static_cast<Eigen::Index>(i);
-    correlation[summary.parameters[i].name] = NamedJson(summary.parameters, uncertainty.correlation.row(row));
-    visible[summary.parameters[i].name] = uncertainty.parameters[i].visible_change;
-    widening[summary.parameters[i].name] = uncertainty.parameters[i].widening;
-    distance[summary.parameters[i].name] = uncertainty.parameters[i].distance;
-  }
-  for (const HiddenDirection& direction : uncertainty.hidden_directions) {
-    directions.push_back({{"words", direction.words},
-                          {"visible_change", direction.visible_change},
-                          {"coordinates", NamedJson(summary.parameters, direction.coordinates)}});
-  }
-  Json json = {{"residual_scale", uncertainty.residual_scale},
-               {"residual_autocorrelation", summary.error.autocorrelation()},
-               {"visible_change", visible},
-               {"distance_to_minimum", distance},
-               {"predicted_decrease", uncertainty.predicted_decrease},
-               {"singular_values", uncertainty.singular_values},
-               {"correlation", correlation},
-               {"hidden_directions", directions},
-               {"interval_check", IntervalCheckJson(summary)}};
-  if (!summary.bound_checks.empty()) json["bound_checks"] = BoundChecksJson(summary);
-  if (!summary.dents.empty()) json["dents"] = DentsJson(summary);
-  if (uncertainty.is_widened) json["widening"] = {{"quantile95", uncertainty.quantile95}, {"parameters", widening}};
   return json;
 }
 
@@ -197,101 +111,6 @@ Json DiscountedJson(const FitChecks& checks) {
   return json;
 }
 
-Json StartsJson(const FitSummary& summary, const FitChecks& checks) {
-  if (!checks.starts) return nullptr;
-  Json starts = Json::array(), minima = Json::array();
-  for (const StartResult& start : checks.starts->starts) {
-    const bool has_estimate = start.values.size() > 0;
-    starts.push_back({{"start", NamedJson(summary.parameters, start.start)},
-                      {"values", NamedJson(summary.parameters, start.values)},
-                      {"status", FitStatusName(start.status)},
-                      {"cost", has_estimate ? start.cost : kNull},
-                      {"rmse_m", has_estimate ? start.rmse : kNull},
-                      {"minimum", start.minimum < 0 ? Json(nullptr) : Json(start.minimum)}});
-  }
-  for (const Minimum& minimum : checks.starts->minima) {
-    minima.push_back({{"values", NamedJson(summary.parameters, minimum.values)},
-                      {"cost", minimum.cost},
-                      {"rmse_m", minimum.rmse},
-                      {"num_starts", minimum.num_starts},
-                      {"cost_rise", minimum.cost_rise}});
-  }
-  return {{"starts", starts}, {"minima", minima}};
-}
-
-Json ProfilesJson(const FitChecks& checks) {
-  if (checks.profiles.empty()) return nullptr;
-  Json json = Json::object();
-  for (const Profile& profile : checks.profiles) {
-    json[profile.parameter] = {{"lower95", profile.lower95},
-                               {"upper95", profile.upper95},
-                               {"points", profile.points.size()},
-                               {"failed", profile.num_failed}};
-  }
-  return json;
-}
-
-Json RepeatedFitJson(const FitSummary& summary, const std::optional<RepeatedFit>& fit) {
-  if (!fit) return nullptr;
-  return {{"status", FitStatusName(fit->status)},
-          {"values", NamedJson(summary.parameters, fit->values)},
-          {"changes", NamedJson(summary.parameters, fit->changes)},
-          {"rmse_m", fit->has_estimate() ? fit->rmse : kNull}};
-}
-
-Json LeadTimesJson(const std::vector<LeadTimeError>& lead_times) {
-  Json json = Json::array();
-  for (const LeadTimeError& ahead : lead_times) {
-    json.push_back({{"lead_s", ahead.lead},
-                    {"rmse_m", ahead.rmse},
-                    {"still_rmse_m", ahead.still_rmse},
-                    {"predictions", ahead.num_predictions}});
-  }
-  return json;
-}
-
-Json HeldBandCellJson(const HeldBandCell& cell) {
-  return {{"inside", cell.inside},
-          {"measurements", static_cast<long long>(cell.num)},
-          {"median_rmse", cell.rmse},
-          {"crps", cell.score},
-          {"half_width", cell.half_width}};
-}
-
-Json HeldBandsJson(const HeldBands& bands, bool has_only_forces) {
-  if (!bands.why_not.empty()) return {{"why_not", bands.why_not}};
-  Json json = {{"nominal", kBandQuantiles.back() - kBandQuantiles.front()},
-               {"unit", has_only_forces ? "N" : "m"},
-               {"draws", bands.num_draws},
-               {"failed", bands.num_failed},
-               {"with_force", bands.has_force}};
-  json.update(HeldBandCellJson(bands.all));
-  if (bands.calibration) {
-    json["calibration"] = {{"force_factor", bands.calibration->factor}, {"inside", bands.calibration->inside}};
-  }
-  json["lead_times"] = Json::array();
-  for (const HeldBandCell& cell : bands.leads) {
-    Json lead = {{"until_s", std::isinf(cell.until) ? Json(nullptr) : Json(cell.until)}};
-    lead.update(HeldBandCellJson(cell));
-    json["lead_times"].push_back(lead);
-  }
-  return json;
-}
-
-Json HoldoutJson(const FitChecks& checks) {
-  const std::optional<Holdout>& holdout = checks.holdout;
-  if (!holdout) return nullptr;
-  Json json = {{"rmse_m", holdout->rmse}, {"nominal_rmse_m", holdout->nominal_rmse}, {"failed", holdout->has_failed()}};
-  if (std::isfinite(holdout->nodes_rmse)) json["nodes_rmse_m"] = holdout->nodes_rmse;
-  if (!holdout->lead_times.empty()) json["lead_times"] = LeadTimesJson(holdout->lead_times);
-  if (std::isfinite(holdout->nominal_force_rms)) {
-    json["force_rms_N"] = holdout->force_rms;
-    json["nominal_force_rms_N"] = holdout->nominal_force_rms;
-  }
-  if (checks.held_bands) json["bands"] = HeldBandsJson(*checks.held_bands, holdout->has_only_forces);
-  return json;
-}
-
 Json GradientCheckJson(const std::optional<GradientCheck>& check) {
   if (!check) return nullptr;
   return {{"adjoint_vs_sensitivity", check->adjoint_vs_sensitivity}, {"adjoint_vs_fd", check->adjoint_vs_fd}};
@@ -321,7 +140,7 @@ bool IsToldMore(const std::vector<RecordedMotion>& motions) {
 Json RecordingsJson(const FitSummary& summary, const std::vector<RecordedMotion>& motions) {
   Json json = Json::array();
   for (const RecordedMotion& motion : motions) {
-    const double sigma = motion.sigma.size() > 0 ? motion.sigma.mean() : kNull;
+    const double sigma = motion.sigma.size() > 0 ? motion.sigma.mean() : kJsonNull;
     json.push_back({{"sigma_source", SigmaSourceName(motion.sigma_source)},
                     {"sigma_m", sigma},
                     {"initial", StartSourceName(motion.start_source)}});
@@ -365,46 +184,6 @@ Json FindingsOfRecordings(const FitChecks& checks) {
   return is_ok ? Json(nullptr) : json;
 }
 
-Json CorrectionCheckJson(const CorrectionCheck& check) {
-  const MissingForce& missing = check.missing_force;
-  return {{"innovation_rmse_m", check.innovations.rmse()},
-          {"innovation_correlation", check.innovations.autocorrelation()},
-          {"missing_force",
-           {{"rms_N_m2", missing.size},
-            {"deviation_N_m2", missing.lasting.size},
-            {"time_s", missing.lasting.time},
-            {"length_m", missing.lasting.length},
-            {"weight_N_m2", missing.weight},
-            {"largest_in_frame_N_m2", missing.largest_in_frame},
-            {"frame", missing.frame},
-            {"largest_at_node_N_m2", missing.largest_at_node},
-            {"node", missing.node}}}};
-}
-
-// Of rollouts that the recordings correct, and of the fits that found their memory.
-Json CorrectionsJson(const FitSummary& summary, const FitChecks& checks) {
-  Json trials = Json::array(), drift = Json::object();
-  for (const MemoryTrial& trial : summary.memory_trials) {
-    trials.push_back({{"memory_s", trial.memory},
-                      {"values", NamedJson(summary.parameters, trial.values)},
-                      {"lower95", NamedJson(summary.parameters, trial.lower95)},
-                      {"upper95", NamedJson(summary.parameters, trial.upper95)},
-                      {"coordinate_stds", NamedJson(summary.parameters, trial.std)},
-                      {"residual_scale", trial.residual_scale}});
-  }
-  for (std::size_t i = 0; summary.uncertainty && i < summary.parameters.size(); ++i) {
-    drift[summary.parameters[i].name] = summary.uncertainty->parameters[i].memory_error;
-  }
-  Json json = AssimilationJson(summary.assimilation);
-  json["lead_times"] = LeadTimesJson(checks.lead_times);
-  json["recordings"] = Json::array();
-  for (const CorrectionCheck& check : checks.corrections) json["recordings"].push_back(CorrectionCheckJson(check));
-  json["uncorrected_rmse_m"] = checks.uncorrected_error ? checks.uncorrected_error->rmse() : kNull;
-  json["drift"] = drift;
-  json["trials"] = trials;
-  return json;
-}
-
 // What its constants are of.
 Json ClothJson(const Scene& scene) {
   const char* const bending = BendingWord(scene);
@@ -416,7 +195,7 @@ Json PlanJson(const FitPlan& plan) {
   for (const FitStage& stage : plan) {
     stages.push_back({{"stage", stage.Words()},
                       {"frames", stage.share},
-                      {"memory_s", stage.memory > 0.0 ? stage.memory : kNull},
+                      {"memory_s", stage.memory > 0.0 ? stage.memory : kJsonNull},
                       {"precision", stage.precision == Precision::kLoose ? "loose" : "full"},
                       {"state", StageStateName(stage.state)},
                       {"note", stage.note},

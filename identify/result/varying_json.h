@@ -1,6 +1,6 @@
 // The parts of result.json about what varies: fields over the cloth, the wind over time.
-#ifndef CLOTHID_IDENTIFY_REPORT_VARYING_JSON_H_
-#define CLOTHID_IDENTIFY_REPORT_VARYING_JSON_H_
+#ifndef CLOTHID_IDENTIFY_RESULT_VARYING_JSON_H_
+#define CLOTHID_IDENTIFY_RESULT_VARYING_JSON_H_
 
 #include <nlohmann/json.hpp>
 
@@ -19,4 +19,4 @@ nlohmann::ordered_json WindJson(const WindResult& result);
 
 }  // namespace clothid
 
-#endif  // CLOTHID_IDENTIFY_REPORT_VARYING_JSON_H_
+#endif  // CLOTHID_IDENTIFY_RESULT_VARYING_JSON_H_
