@@ -70,29 +70,28 @@ void FindCandidates(const ClothModel& model, const Eigen::VectorXd& positions, d
   candidates->resize(num_candidates);
 }
 
-Eigen::Matrix3d ContactPositionJacobian(const Contact& contact, double friction_coefficient,
-                                        const AffineMotion* motion) {
+Eigen::Matrix3d ContactPositionJacobian(const Contact& contact, const AffineMotion* motion) {
   const ContactCandidate& candidate = contact.candidate;
   const Eigen::Vector3d& n = candidate.normal;
-  const Eigen::Matrix3d impulse_gradient = ImpulseForceJacobian(contact.response, n, friction_coefficient);
+  const Eigen::Matrix3d impulse_gradient = ImpulseForceJacobian(contact.response, n, contact.friction_coefficient);
   Eigen::Matrix3d jacobian = (-contact.weight * candidate.gap_speed_slope * (impulse_gradient * n)) * n.transpose();
   if (motion != nullptr) jacobian += contact.weight * (impulse_gradient * motion->velocity().gradient);
   if (candidate.normal_gradient.isZero(0.0)) return jacobian;  // flat: D = 0
-  jacobian -=
-      (contact.weight * candidate.gap_speed) * (impulse_gradient * candidate.normal_gradient) +
-      ImpulsePositionJacobian(contact.response, contact.force, n, candidate.normal_gradient, friction_coefficient);
+  jacobian -= (contact.weight * candidate.gap_speed) * (impulse_gradient * candidate.normal_gradient) +
+              ImpulsePositionJacobian(contact.response, contact.force, n, candidate.normal_gradient,
+                                      contact.friction_coefficient);
   return jacobian;
 }
 
-Eigen::Vector3d ContactMotionDerivative(const Contact& contact, double friction_coefficient,
-                                        const MotionChange& change) {
+Eigen::Vector3d ContactMotionDerivative(const Contact& contact, const MotionChange& change) {
   const ContactCandidate& candidate = contact.candidate;
   const Eigen::Vector3d& n = candidate.normal;
   const Eigen::Vector3d target =
       change.velocity - candidate.gap_speed_slope * change.distance * n - candidate.gap_speed * change.normal;
   const Eigen::Matrix3d normal_change = change.normal * Eigen::RowVector3d::UnitX();
-  return -contact.weight * (ImpulseForceJacobian(contact.response, n, friction_coefficient) * target) +
-         ImpulsePositionJacobian(contact.response, contact.force, n, normal_change, friction_coefficient).col(0);
+  return -contact.weight * (ImpulseForceJacobian(contact.response, n, contact.friction_coefficient) * target) +
+         ImpulsePositionJacobian(contact.response, contact.force, n, normal_change, contact.friction_coefficient)
+             .col(0);
 }
 
 }  // namespace clothid

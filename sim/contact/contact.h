@@ -37,6 +37,7 @@ struct Contact {
   double weight = 0.0;                              // d, kg
   // In a first stage, what the obstacle's velocity there has changed by since its start, m/s.
   Eigen::Vector3d obstacle_gain = Eigen::Vector3d::Zero();
+  double friction_coefficient = 0.0;  // mu of the obstacle
 };
 
 // What a rollout keeps of a contact; the rest follows from the state at the start of the step.
@@ -60,12 +61,10 @@ void FindCandidates(const ClothModel& model, const Eigen::VectorXd& positions, d
 
 // dPhi/dx_n of a contact through normal, gap and V: X = -[D + S d (gap_speed_slope n n^T + gap_speed N' - W)], W =
 // dV/dx of its obstacle; `motion` is that near the node, or null: it stands still.
-Eigen::Matrix3d ContactPositionJacobian(const Contact& contact, double friction_coefficient,
-                                        const AffineMotion* motion = nullptr);
+Eigen::Matrix3d ContactPositionJacobian(const Contact& contact, const AffineMotion* motion = nullptr);
 
 // d(J^T r)/dtheta of a contact at fixed v and x_n, where its obstacle's motion depends on theta: `change`.
-Eigen::Vector3d ContactMotionDerivative(const Contact& contact, double friction_coefficient,
-                                        const MotionChange& change);
+Eigen::Vector3d ContactMotionDerivative(const Contact& contact, const MotionChange& change);
 
 }  // namespace clothid
 

@@ -35,15 +35,14 @@ void ToWorld(const std::vector<LocalFrame>& frames, Eigen::MatrixXd* vectors) {
             [](const LocalFrame& frame, const Eigen::Vector3d& v) -> Eigen::Vector3d { return frame.axes * v; });
 }
 
-void ContactElimination::SetContacts(const std::vector<Contact>& contacts, const std::vector<int>& free_index,
-                                     const std::vector<double>& friction_coefficients) {
+void ContactElimination::SetContacts(const std::vector<Contact>& contacts, const std::vector<int>& free_index) {
   nodes_.clear();
   has_coupling_ = false;
   for (const Contact& contact : contacts) {
     Node node;
     node.block = free_index[contact.candidate.node];
     node.branch = contact.response.branch;
-    node.friction_coefficient = friction_coefficients[contact.candidate.obstacle];
+    node.friction_coefficient = contact.friction_coefficient;
     node.weight = contact.weight;
     const Eigen::Vector3d& n = contact.candidate.normal;
     node.impulse = ImpulseForceJacobian(contact.response, n, node.friction_coefficient);

@@ -27,9 +27,8 @@ void ToWorld(const std::vector<LocalFrame>& frames, Eigen::MatrixXd* vectors);
 
 class ContactElimination {
  public:
-  // Replaces what an earlier call has set. `free_index` maps nodes to blocks; `friction_coefficients` per obstacle.
-  void SetContacts(const std::vector<Contact>& contacts, const std::vector<int>& free_index,
-                   const std::vector<double>& friction_coefficients);
+  // Replaces what an earlier call has set. `free_index` maps nodes to blocks.
+  void SetContacts(const std::vector<Contact>& contacts, const std::vector<int>& free_index);
 
   bool has_coupling() const { return has_coupling_; }  // a slipping node with mu > 0
 

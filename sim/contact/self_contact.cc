@@ -37,7 +37,7 @@ PairCandidate MakePairCandidate(const PairFeatures& features, const Eigen::Vecto
 
 // With S of contact_law.h, dPi/da = -S, and da = -d (V dw + dgap_speed n + gap_speed dn).
 Eigen::Matrix<double, 3, 12> PairPositionJacobian(const PairContact& contact, const PairGeometryGradient& gradient,
-                                                  const Eigen::VectorXd& velocities, double friction_coefficient) {
+                                                  const Eigen::VectorXd& velocities) {
   const PairCandidate& candidate = contact.candidate;
   const Eigen::Vector3d& n = candidate.geometry.normal;
   Eigen::Matrix<double, 3, 12> target =
@@ -46,11 +46,11 @@ Eigen::Matrix<double, 3, 12> PairPositionJacobian(const PairContact& contact, co
     target += velocities.segment<3>(3 * candidate.features.nodes[i]) * gradient.weights.row(i);
   }
   Eigen::Matrix<double, 3, 12> jacobian =
-      -candidate.weight * (ImpulseForceJacobian(contact.response, n, friction_coefficient) * target);
+      -candidate.weight * (ImpulseForceJacobian(contact.response, n, contact.friction_coefficient) * target);
   for (int i = 0; i < candidate.features.num_nodes(); ++i) {
     const Eigen::Matrix3d turn = gradient.normal.middleCols<3>(3 * i);
     jacobian.middleCols<3>(3 * i) -=
-        ImpulsePositionJacobian(contact.response, contact.force, n, turn, friction_coefficient);
+        ImpulsePositionJacobian(contact.response, contact.force, n, turn, contact.friction_coefficient);
   }
   return jacobian;
 }

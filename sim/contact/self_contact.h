@@ -46,6 +46,7 @@ struct PairContact {
   PairCandidate candidate;
   ContactResponse response;                         // at F
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // F = -a, N s
+  double friction_coefficient = 0.0;                // mu of the pair
 };
 
 // What a rollout keeps of a pair in contact.
@@ -67,7 +68,7 @@ PairCandidate MakePairCandidate(const PairFeatures& features, const Eigen::Vecto
 
 // dR/dx_n [3 x 12] at fixed v and r, by the nodes of the pair. `velocities` [3N], those of handles included.
 Eigen::Matrix<double, 3, 12> PairPositionJacobian(const PairContact& contact, const PairGeometryGradient& gradient,
-                                                  const Eigen::VectorXd& velocities, double friction_coefficient);
+                                                  const Eigen::VectorXd& velocities);
 
 // dR/dmu at fixed v, r and x_n.
 Eigen::Vector3d PairFrictionDerivative(const ContactResponse& response);

@@ -90,15 +90,14 @@ class ReverseSweep {
     if (record.stage == Stage::kFirst) by_impulse = LeaveSecondStart(record, start, step, &by_pairs);
     if (step.pairs() == nullptr) by_pair_forces = nullptr;
     if (by_pair_forces != nullptr) {
-      by_pairs = step.pairs()->SpreadToHandlesTransposed(*by_pair_forces / record.time_step);
+      by_pairs = step.pairs()->SpreadTransposed(*by_pair_forces / record.time_step, PairNodes::kHandles);
     }
-    Eigen::MatrixXd w = lambda_.velocities + record.time_step * lambda_.positions, z, y, rho;
-    if (by_impulse.size() > 0) w += step.TimesVelocity(by_impulse);
-    if (step.pairs() == nullptr) {
-      solver_.Solve(record, w, &step, &z, &y, &gradient_->work);
-    } else {
-      solver_.SolveWithPairs(record, w, by_impulse, by_pairs, step, &z, &y, &rho, &gradient_->work);
-    }
+    StepColumns right{lambda_.velocities + record.time_step * lambda_.positions}, multipliers;
+    if (by_impulse.size() > 0) right.velocities += step.TimesVelocity(by_impulse);
+    if (step.pairs() != nullptr) right.impulses = PairSide(*step.pairs(), by_impulse, std::move(by_pairs));
+    Eigen::MatrixXd y;
+    solver_.Solve(record, right, &step, &multipliers, &y, &gradient_->work);
+    const Eigen::MatrixXd &z = multipliers.velocities, &rho = multipliers.impulses;
     if (by_impulse.size() > 0) y -= by_impulse;
     AddParameterGradient(record, ids_, z, y, step, &gradient_->parameters);
     if (step.pairs() != nullptr) AddPairGradient(ids_, rho, *step.pairs(), &gradient_->parameters);
@@ -133,6 +132,14 @@ class ReverseSweep {
   }
 
  private:
+  // Of the equations of pairs [3c x s], from gradients by the impulses of obstacles and pairs, which may be empty.
+  Eigen::MatrixXd PairSide(const PairDerivative& pairs, const Eigen::MatrixXd& by_impulse,
+                           Eigen::MatrixXd by_pairs) const {
+    if (by_pairs.size() == 0) by_pairs = Eigen::MatrixXd::Zero(pairs.num_rows(), lambda_.positions.cols());
+    if (by_impulse.size() > 0) by_pairs -= pairs.SpreadTransposed(by_impulse, PairNodes::kFree);
+    return by_pairs;
+  }
+
   // From x_s and v_s, with y of the second stage, on the way to x_1, v_1 and the start of the step.
   void EnterSecondStart(const StepDerivative& step, const Eigen::MatrixXd& y) {
     by_second_ = lambda_;

@@ -11,7 +11,8 @@ namespace {
 constexpr double kDiverged = 1e3;
 
 // S^T of `contact` for d = `mass` in place of its own d. The branch is that of the step. `velocity` is v at the node.
-Eigen::Matrix3d ImpulseTransposed(const Contact& contact, const Eigen::Vector3d& velocity, double mass, double mu) {
+Eigen::Matrix3d ImpulseTransposed(const Contact& contact, const Eigen::Vector3d& velocity, double mass) {
+  const double mu = contact.friction_coefficient;
   ContactResponse response = contact.response;
   if (response.branch == ContactBranch::kSlip) {
     const double slip_speed = response.slip_direction.dot(velocity);
@@ -31,9 +32,8 @@ AdjointSystem::AdjointSystem(const ClothModel& model, const std::vector<Contact>
   for (const Contact& contact : contacts) {
     const int node = contact.candidate.node;
     const double mass = model.mass(parameters.material, node);
-    const double mu = parameters.friction_coefficients[contact.candidate.obstacle];
-    nodes_.push_back({3 * model.free_index()[node],
-                      ImpulseTransposed(contact, velocities.segment<3>(3 * node), mass, mu), mass, contact.weight});
+    nodes_.push_back({3 * model.free_index()[node], ImpulseTransposed(contact, velocities.segment<3>(3 * node), mass),
+                      mass, contact.weight});
   }
 }
 

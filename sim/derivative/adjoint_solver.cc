@@ -21,70 +21,40 @@ AdjointSolver::AdjointSolver(const AdjointOptions& options, const Parameters& pa
       use_kept_factors_(options.use_kept_factors),
       threshold_(options.threshold.value_or(simulator->scene().solver.adjoint_tolerance)),
       parameters_(parameters),
-      simulator_(simulator),
-      pair_jacobian_(simulator->model(), &simulator->step_solver().jacobian()) {}
+      simulator_(simulator) {}
 
-void AdjointSolver::Solve(const StepRecord& record, const Eigen::MatrixXd& right, StepDerivative* step,
-                          Eigen::MatrixXd* z, Eigen::MatrixXd* y, AdjointWork* work) {
+void AdjointSolver::Solve(const StepRecord& record, const StepColumns& right, StepDerivative* step, StepColumns* z,
+                          Eigen::MatrixXd* y, AdjointWork* work) {
+  const bool has_pairs = step->pairs() != nullptr;
+  if (has_pairs && method_ != AdjointMethod::kReduced) {
+    throw Error(ErrorKind::kUsage, "contacts of the cloth with itself: expected the adjoint method \"reduced\"");
+  }
   ++work->solves;
   if (SolveByMethod(record, right, step, z, y, work)) return;
   ++work->failed_solves;
   const ScopedTimer timer(&work->fallback_seconds);
-  if (!SolveByStepJacobian(StepJacobian::Method::kLu, right, step, z, y, work)) {
+  if (has_pairs || !step->Factor(StepJacobian::Method::kLu) || !SolveByStepJacobian(right, step, z, y, work)) {
     throw std::runtime_error("singular step Jacobian");
   }
 }
 
-void AdjointSolver::SolveWithPairs(const StepRecord& record, const Eigen::MatrixXd& right,
-                                   const Eigen::MatrixXd& by_impulse, const Eigen::MatrixXd& by_pairs,
-                                   const StepDerivative& step, Eigen::MatrixXd* z, Eigen::MatrixXd* y,
-                                   Eigen::MatrixXd* rho, AdjointWork* work) {
-  if (method_ != AdjointMethod::kReduced) {
-    throw Error(ErrorKind::kUsage, "contacts of the cloth with itself: expected the adjoint method \"reduced\"");
-  }
-  ++work->solves;
-  step.SetPoint(&pair_jacobian_);
-  Eigen::MatrixXd pair_right = by_pairs;
-  if (pair_right.size() == 0) {
-    pair_right = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(step.pairs()->contacts().size()), right.cols());
-  }
-  if (by_impulse.size() > 0) pair_right -= pair_jacobian_.RelativeVelocities(by_impulse);
-  const auto solve = [&] {
-    const bool solved = pair_jacobian_.SolveTransposed(right, pair_right, threshold_, z, y, rho);
-    work->iterations += pair_jacobian_.iterations();
-    return solved;
-  };
-  if (use_kept_factors_ && pair_jacobian_.UseFactor(record.factor) && solve()) return;
-  if (!pair_jacobian_.Factor() || !solve()) throw std::runtime_error("singular step Jacobian");
-}
-
-bool AdjointSolver::SolveByMethod(const StepRecord& record, const Eigen::MatrixXd& right, StepDerivative* step,
-                                  Eigen::MatrixXd* z, Eigen::MatrixXd* y, AdjointWork* work) {
+bool AdjointSolver::SolveByMethod(const StepRecord& record, const StepColumns& right, StepDerivative* step,
+                                  StepColumns* z, Eigen::MatrixXd* y, AdjointWork* work) {
   switch (method_) {
     case AdjointMethod::kReduced:
-      return SolveByKeptFactor(record, right, step, z, y, work) ||
-             SolveByStepJacobian(StepJacobian::Method::kReduced, right, step, z, y, work);
+      return (use_kept_factors_ && step->UseFactor(record.factor) && SolveByStepJacobian(right, step, z, y, work)) ||
+             (step->Factor(StepJacobian::Method::kReduced) && SolveByStepJacobian(right, step, z, y, work));
     case AdjointMethod::kLu:
-      return SolveByStepJacobian(StepJacobian::Method::kLu, right, step, z, y, work);
+      return step->Factor(StepJacobian::Method::kLu) && SolveByStepJacobian(right, step, z, y, work);
     case AdjointMethod::kFixedPoint:
     case AdjointMethod::kSystemGmres:
-      return SolveByIteration(record, *step, right, z, y, work);
+      return SolveByIteration(record, *step, right.velocities, &z->velocities, y, work);
   }
   return false;
 }
 
-bool AdjointSolver::SolveByStepJacobian(StepJacobian::Method method, const Eigen::MatrixXd& right, StepDerivative* step,
-                                        Eigen::MatrixXd* z, Eigen::MatrixXd* y, AdjointWork* work) {
-  if (!step->Factor(method)) return false;
-  const bool solved = step->jacobian().SolveTransposed(right, threshold_, z, y);
-  work->iterations += step->jacobian().iterations();
-  return solved;
-}
-
-bool AdjointSolver::SolveByKeptFactor(const StepRecord& record, const Eigen::MatrixXd& right, StepDerivative* step,
-                                      Eigen::MatrixXd* z, Eigen::MatrixXd* y, AdjointWork* work) {
-  if (!use_kept_factors_ || record.factor == nullptr || !record.factor->is_without_pairs()) return false;
-  step->UseFactor(record.factor);
+bool AdjointSolver::SolveByStepJacobian(const StepColumns& right, StepDerivative* step, StepColumns* z,
+                                        Eigen::MatrixXd* y, AdjointWork* work) {
   const bool solved = step->jacobian().SolveTransposed(right, threshold_, z, y);
   work->iterations += step->jacobian().iterations();
   return solved;

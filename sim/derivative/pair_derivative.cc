@@ -1,7 +1,6 @@
 #include "sim/derivative/pair_derivative.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace clothid {
 
@@ -19,16 +18,14 @@ void ScatterToPair(const PairBlocks& blocks, const PairColumns& values, Eigen::M
   }
 }
 
-PairDerivative::PairDerivative(const ClothModel& model, std::vector<PairContact> contacts,
-                               const Eigen::VectorXd& start_positions, const Eigen::VectorXd& velocities,
-                               double friction_coefficient)
-    : model_(model), friction_coefficient_(friction_coefficient), contacts_(std::move(contacts)) {
+PairDerivative::PairDerivative(const ClothModel& model, const std::vector<PairContact>& contacts,
+                               const Eigen::VectorXd& start_positions, const Eigen::VectorXd& velocities)
+    : model_(model), contacts_(contacts) {
   const std::vector<int>& handles = model.scene().handles.nodes;
   for (const PairContact& contact : contacts_) {
     const PairFeatures& features = contact.candidate.features;
     gradients_.push_back(DifferentiatePair(features, start_positions));
-    jacobians_.push_back(PairPositionJacobian(contact, gradients_.back(), velocities,
-                                              contact.candidate.FrictionOf(friction_coefficient)));
+    jacobians_.push_back(PairPositionJacobian(contact, gradients_.back(), velocities));
     handle_blocks_.push_back({-1, -1, -1, -1});
     for (int i = 0; i < features.num_nodes(); ++i) {
       const auto handle = std::find(handles.begin(), handles.end(), features.nodes[i]);
@@ -88,7 +85,7 @@ Eigen::MatrixXd PairDerivative::TimesGeometryTransposed(const Eigen::MatrixXd& r
 Eigen::Matrix<double, 3, 12> PairDerivative::ByVelocities(std::size_t contact) const {
   const PairCandidate& pair = contacts_[contact].candidate;
   const Eigen::Matrix3d slope = -pair.weight * ImpulseForceJacobian(contacts_[contact].response, pair.geometry.normal,
-                                                                    pair.FrictionOf(friction_coefficient_));
+                                                                    contacts_[contact].friction_coefficient);
   Eigen::Matrix<double, 3, 12> jacobian;
   for (int i = 0; i < 4; ++i) jacobian.middleCols<3>(3 * i) = pair.geometry.weights[i] * slope;
   return jacobian;
@@ -112,23 +109,23 @@ Eigen::MatrixXd PairDerivative::TimesHandleVelocitiesTransposed(const Eigen::Mat
   return result;
 }
 
-Eigen::MatrixXd PairDerivative::SpreadToHandles(const Eigen::MatrixXd& impulses) const {
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(NumRows(PairNodes::kHandles), impulses.cols());
+Eigen::MatrixXd PairDerivative::Spread(const Eigen::MatrixXd& impulses, PairNodes nodes) const {
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(NumRows(nodes), impulses.cols());
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     const Eigen::MatrixXd impulse = impulses.middleRows<3>(3 * static_cast<Eigen::Index>(c));
     PairColumns values(12, impulses.cols());
     for (int i = 0; i < 4; ++i) {
       values.middleRows<3>(3 * i) = contacts_[c].candidate.geometry.weights[i] * impulse;
     }
-    ScatterToPair(handle_blocks_[c], values, &result);
+    ScatterToPair(blocks(c, nodes), values, &result);
   }
   return result;
 }
 
-Eigen::MatrixXd PairDerivative::SpreadToHandlesTransposed(const Eigen::MatrixXd& columns) const {
+Eigen::MatrixXd PairDerivative::SpreadTransposed(const Eigen::MatrixXd& columns, PairNodes nodes) const {
   Eigen::MatrixXd result(3 * static_cast<Eigen::Index>(contacts_.size()), columns.cols());
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
-    const PairColumns values = GatherFromPair(handle_blocks_[c], columns);
+    const PairColumns values = GatherFromPair(blocks(c, nodes), columns);
     auto sum = result.middleRows<3>(3 * static_cast<Eigen::Index>(c));
     sum.setZero();
     for (int i = 0; i < 4; ++i) sum += contacts_[c].candidate.geometry.weights[i] * values.middleRows<3>(3 * i);

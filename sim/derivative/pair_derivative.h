@@ -31,11 +31,13 @@ enum class PairNodes : char {
 
 class PairDerivative {
  public:
-  // `contacts` of a solve from `start_positions` x_n that ends with `velocities` [3N]. The model must outlive this.
-  PairDerivative(const ClothModel& model, std::vector<PairContact> contacts, const Eigen::VectorXd& start_positions,
-                 const Eigen::VectorXd& velocities, double friction_coefficient);
+  // `contacts` of a solve from `start_positions` x_n that ends with `velocities` [3N]. Model and contacts must outlive
+  // this.
+  PairDerivative(const ClothModel& model, const std::vector<PairContact>& contacts,
+                 const Eigen::VectorXd& start_positions, const Eigen::VectorXd& velocities);
 
   const std::vector<PairContact>& contacts() const { return contacts_; }
+  Eigen::Index num_rows() const { return 3 * static_cast<Eigen::Index>(contacts_.size()); }  // 3c
   const PairGeometryGradient& gradient(std::size_t contact) const { return gradients_[contact]; }
 
   // The numbers of a pair's nodes in columns over `nodes`.
@@ -56,9 +58,9 @@ class PairDerivative {
   Eigen::MatrixXd TimesHandleVelocities(const Eigen::MatrixXd& columns) const;
   Eigen::MatrixXd TimesHandleVelocitiesTransposed(const Eigen::MatrixXd& rows) const;
 
-  // sum w_i dr at the handles [3H x s] of columns of dr [3c x s], and the transpose.
-  Eigen::MatrixXd SpreadToHandles(const Eigen::MatrixXd& impulses) const;
-  Eigen::MatrixXd SpreadToHandlesTransposed(const Eigen::MatrixXd& columns) const;
+  // sum w_i dr over `nodes` of columns of dr [3c x s], and the transpose.
+  Eigen::MatrixXd Spread(const Eigen::MatrixXd& impulses, PairNodes nodes) const;
+  Eigen::MatrixXd SpreadTransposed(const Eigen::MatrixXd& columns, PairNodes nodes) const;
 
   // dR/dmu [3c].
   Eigen::VectorXd FrictionDerivative() const;
@@ -68,8 +70,7 @@ class PairDerivative {
   Eigen::Matrix<double, 3, 12> ByVelocities(std::size_t contact) const;  // dR/dv of its nodes
 
   const ClothModel& model_;
-  double friction_coefficient_;
-  std::vector<PairContact> contacts_;
+  const std::vector<PairContact>& contacts_;
   std::vector<PairBlocks> handle_blocks_;  // of their nodes among the handles
   std::vector<PairGeometryGradient> gradients_;
   std::vector<Eigen::Matrix<double, 3, 12>> jacobians_;  // dR/dx_n

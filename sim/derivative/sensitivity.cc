@@ -73,22 +73,33 @@ Eigen::MatrixXd RightSide(Eigen::MatrixXd right, const StateColumns& start, cons
   return right;
 }
 
-const std::vector<PairContact>& PairsOf(const StepDerivative& step) {
-  static const std::vector<PairContact> kNone;
-  return step.pairs() == nullptr ? kNone : step.pairs()->contacts();
+// Likewise of the equations of pairs [3c x s], -dR at fixed v and r.
+Eigen::MatrixXd PairSide(const StateColumns& start, const std::vector<ParameterId>& parameters,
+                         const HandleTangent& handles, const PairDerivative& pairs) {
+  Eigen::MatrixXd right = -pairs.TimesGeometry(start.positions);
+  handles.SubtractFromPairs(&right);
+  for (size_t p = 0; p < parameters.size(); ++p) {
+    if (parameters[p].kind == ParameterKind::kSelfFriction) right.col(p) -= pairs.FrictionDerivative();
+  }
+  return right;
 }
 
-// Gives the steps their factor back, so that the states are those of `Simulate`, bit for bit.
+// Gives the steps their factor and pattern back, so that the states are those of `Simulate`, bit for bit.
 class KeptFactor {
  public:
-  explicit KeptFactor(StepJacobian* jacobian) : jacobian_(jacobian), factor_(jacobian->factor()) {}
-  ~KeptFactor() { jacobian_->SetFactor(factor_); }
+  explicit KeptFactor(StepJacobian* jacobian)
+      : jacobian_(jacobian), factor_(jacobian->factor()), pattern_(jacobian->pattern()) {}
+  ~KeptFactor() {
+    jacobian_->SetFactor(factor_);
+    jacobian_->SetPattern(pattern_);
+  }
   KeptFactor(const KeptFactor&) = delete;
   KeptFactor& operator=(const KeptFactor&) = delete;
 
  private:
   StepJacobian* jacobian_;
   std::shared_ptr<const ReducedFactor> factor_;
+  std::shared_ptr<const WidePattern> pattern_;
 };
 
 // From the start of a step to its end.
@@ -102,8 +113,7 @@ class TangentSolver {
         fields_(fields),
         sizes_(parameters, ids, *simulator),
         tolerance_(tolerance),
-        simulator_(simulator),
-        pair_jacobian_(simulator->model(), &simulator->step_solver().jacobian()) {}
+        simulator_(simulator) {}
 
   // Of one solve. `pair_forces`: the changes of those upon handles at its end [3H x (p + q)]; null: not asked for.
   void Advance(const StepRecord& record, const SolveStart& start, StateColumns* tangent,
@@ -124,12 +134,12 @@ class TangentSolver {
       const SolveChange change = Solve(
           first, start, [](Eigen::MatrixXd*) {}, &step, &first_end);
       second_start = StartSecondStage(model, parameters_.material, start, first.positions, first.velocities,
-                                      first.time_step, step.contacts(), PairsOf(step));
+                                      first.time_step, step.contact_set());
       const SecondStartDerivative derivative(first, start, step, parameters_, model);
       end = derivative.Times(*tangent, first_end);
       if (derivative.has_impacts()) {
         Eigen::MatrixXd impulse = step.TimesVelocity(first_end.velocities) - change.momentum;
-        if (step.pairs() != nullptr) impulse -= pair_jacobian_.Spread(change.pair_impulses);
+        if (step.pairs() != nullptr) impulse -= step.pairs()->Spread(change.pair_impulses, PairNodes::kFree);
         derivative.SubtractImpacts(*tangent, first_end, impulse, change.pair_impulses, &end);
         handles_->SubtractImpacts(first, derivative, &end.velocities);
         for (size_t p = 0; p < ids_.size(); ++p) {
@@ -170,7 +180,7 @@ class TangentSolver {
       *pair_forces = Eigen::MatrixXd::Zero(3 * num_handles, positions.cols());
       return;
     }
-    *pair_forces = (step->pairs()->SpreadToHandles(change.pair_impulses) -
+    *pair_forces = (step->pairs()->Spread(change.pair_impulses, PairNodes::kHandles) -
                     step->pairs()->TimesWeights(positions, PairNodes::kFree, PairNodes::kHandles)) /
                    record.time_step;
     handles_->AddPairForces(pair_forces);
@@ -189,48 +199,26 @@ class TangentSolver {
           further_parts(right);
         },
         *step);
-    if (step->pairs() != nullptr) return SolveWithPairs(record, momentum, step, tangent);
-    Eigen::MatrixXd dv;
-    if (record.factor != nullptr && record.factor->is_without_pairs()) {
-      step->UseFactor(record.factor);
-      if (step->jacobian().Solve(RightSide(momentum, *tangent, ids_, step), tolerance_, &dv)) {
-        Move(record, dv, tangent);
-        return {momentum, {}};
-      }
+    StepColumns solution;
+    if (!SolveLinearized(record, momentum, *tangent, step, &solution)) {
+      throw std::runtime_error("singular step Jacobian");
     }
-    for (const auto method : {StepJacobian::Method::kReduced, StepJacobian::Method::kLu}) {
-      if (!step->Factor(method)) continue;
-      if (!step->jacobian().Solve(RightSide(momentum, *tangent, ids_, step), tolerance_, &dv)) continue;
-      Move(record, dv, tangent);
-      return {momentum, {}};
-    }
-    throw std::runtime_error("singular step Jacobian");
+    tangent->velocities = std::move(solution.velocities);
+    tangent->positions += record.time_step * tangent->velocities;
+    return {momentum, std::move(solution.impulses)};
   }
 
-  SolveChange SolveWithPairs(const StepRecord& record, const Eigen::MatrixXd& momentum, StepDerivative* step,
-                             StateColumns* tangent) const {
-    step->SetPoint(&pair_jacobian_);
-    Eigen::MatrixXd right = momentum, pair_right = -step->pairs()->TimesGeometry(tangent->positions);
-    handles_->SubtractFromPairs(&pair_right);
-    pair_jacobian_.AddImpulse(&right);
-    right -= step->TimesFrames(tangent->positions);
-    for (size_t p = 0; p < ids_.size(); ++p) {
-      if (!IsOfContact(ids_[p].kind)) continue;
-      right.col(p) += step->ImpulseDerivative(ids_[p]);
-      if (ids_[p].kind == ParameterKind::kSelfFriction) pair_right.col(p) -= step->pairs()->FrictionDerivative();
-    }
-    SolveChange change{momentum, {}};
-    Eigen::MatrixXd dv;
-    const auto solve = [&] { return pair_jacobian_.Solve(right, pair_right, tolerance_, &dv, &change.pair_impulses); };
-    const bool solved = pair_jacobian_.UseFactor(record.factor) && solve();
-    if (!solved && !(pair_jacobian_.Factor() && solve())) throw std::runtime_error("singular step Jacobian");
-    Move(record, dv, tangent);
-    return change;
-  }
-
-  static void Move(const StepRecord& record, const Eigen::MatrixXd& dv, StateColumns* tangent) {
-    tangent->velocities = dv;
-    tangent->positions += record.time_step * dv;
+  // With the factor that the record keeps, or a new one, or, where pairs do not forbid that, by LU.
+  bool SolveLinearized(const StepRecord& record, const Eigen::MatrixXd& momentum, const StateColumns& start,
+                       StepDerivative* step, StepColumns* solution) const {
+    StepColumns right;
+    if (step->pairs() != nullptr) right.impulses = PairSide(start, ids_, *handles_, *step->pairs());
+    const auto solve = [&] {
+      right.velocities = RightSide(momentum, start, ids_, step);
+      return step->jacobian().Solve(right, tolerance_, solution);
+    };
+    return (step->UseFactor(record.factor) && solve()) || (step->Factor(StepJacobian::Method::kReduced) && solve()) ||
+           (step->pairs() == nullptr && step->Factor(StepJacobian::Method::kLu) && solve());
   }
 
   const Parameters& parameters_;
@@ -240,7 +228,6 @@ class TangentSolver {
   SizeDerivative sizes_;
   double tolerance_;
   Simulator* simulator_;
-  mutable PairJacobian pair_jacobian_;  // of the last solve with pairs, which keeps its order of elimination
 };
 
 }  // namespace

@@ -9,6 +9,11 @@
 #include "sim/step/step_solver.h"
 
 namespace clothid {
+namespace {
+
+constexpr int kMostChangesSince = 2;  // of contacts since a factor was kept, which then serves a derivative with pairs
+
+}  // namespace
 
 StepDerivative::StepDerivative(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
                                Simulator* simulator, const SizeDerivative* sizes)
@@ -36,15 +41,15 @@ StepDerivative::StepDerivative(const StepRecord& record, const SolveStart& start
     damped_masses_.segment<3>(3 * i) = masses_.segment<3>(3 * i).array() + record.time_step * drag;
   }
   if (!record.pairs.empty()) {
-    pairs_ = std::make_unique<PairDerivative>(
-        model_, RestorePairs(model_, parameters, start.positions, record.velocities, record.times(), record.pairs),
-        start.positions, record.velocities, parameters.self_friction);
+    contacts_.pairs =
+        RestorePairs(model_, parameters, start.positions, record.velocities, record.times(), record.pairs);
+    pairs_ = std::make_unique<PairDerivative>(model_, contacts_.pairs, start.positions, record.velocities);
   }
   if (record.contacts.empty()) return;
   motions_ = ObstacleMotions(model_.scene(), parameters, record.times());
-  contacts_ = RestoreContacts(model_, parameters, start.positions, record.times(), motions_, record.contacts);
+  contacts_.nodes = RestoreContacts(model_, parameters, start.positions, record.times(), motions_, record.contacts);
   if (motions_.empty()) return;
-  for (const Contact& contact : contacts_) {
+  for (const Contact& contact : contacts_.nodes) {
     const Eigen::Vector3d place = start.positions.segment<3>(3 * contact.candidate.node);
     contact_motions_.push_back(motions_[contact.candidate.obstacle].Near(place));
   }
@@ -52,24 +57,16 @@ StepDerivative::StepDerivative(const StepRecord& record, const SolveStart& start
 
 const AffineMotion* StepDerivative::motion_of(const Contact& contact) const {
   if (motions_.empty() || !motions_[contact.candidate.obstacle].moves()) return nullptr;
-  return &contact_motions_[static_cast<std::size_t>(&contact - contacts_.data())];
+  return &contact_motions_[static_cast<std::size_t>(&contact - contacts_.nodes.data())];
 }
 
-bool StepDerivative::Factor(StepJacobian::Method method) {
-  return jacobian_.Factor(method, hessian_, contacts_, parameters_.friction_coefficients);
-}
+bool StepDerivative::Factor(StepJacobian::Method method) { return jacobian_.Factor(method, hessian_, contacts_); }
 
-void StepDerivative::UseFactor(std::shared_ptr<const ReducedFactor> factor) {
-  jacobian_.SetPoint(hessian_, contacts_, parameters_.friction_coefficients);
+bool StepDerivative::UseFactor(std::shared_ptr<const ReducedFactor> factor) {
+  if (factor == nullptr) return false;
+  jacobian_.SetPoint(hessian_, contacts_);
   jacobian_.SetFactor(std::move(factor));
-}
-
-void StepDerivative::SetPoint(PairJacobian* jacobian) const {
-  std::vector<PairCandidate> candidates;
-  for (const PairContact& contact : pairs_->contacts()) candidates.push_back(contact.candidate);
-  jacobian->SetCandidates(candidates);
-  jacobian->SetPoint(hessian_, contacts_, parameters_.friction_coefficients, pairs_->contacts(),
-                     parameters_.self_friction);
+  return jacobian_.HasFactorNear(contacts_, kMostChangesSince);
 }
 
 Eigen::MatrixXd StepDerivative::TimesMass(const Eigen::MatrixXd& columns) const {
@@ -143,21 +140,19 @@ Eigen::MatrixXd StepDerivative::TimesPredictionTransposed(const Eigen::MatrixXd&
 
 Eigen::MatrixXd StepDerivative::TimesFrames(const Eigen::MatrixXd& columns) const {
   Eigen::MatrixXd product = Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
-  for (const Contact& contact : contacts_) {
+  for (const Contact& contact : contacts_.nodes) {
     const int row = 3 * model_.free_index()[contact.candidate.node];
-    const double mu = parameters_.friction_coefficients[contact.candidate.obstacle];
-    product.middleRows<3>(row) = ContactPositionJacobian(contact, mu, motion_of(contact)) * columns.middleRows<3>(row);
+    product.middleRows<3>(row) = ContactPositionJacobian(contact, motion_of(contact)) * columns.middleRows<3>(row);
   }
   return product;
 }
 
 Eigen::MatrixXd StepDerivative::TimesFramesTransposed(const Eigen::MatrixXd& columns) const {
   Eigen::MatrixXd product = Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
-  for (const Contact& contact : contacts_) {
+  for (const Contact& contact : contacts_.nodes) {
     const int row = 3 * model_.free_index()[contact.candidate.node];
-    const double mu = parameters_.friction_coefficients[contact.candidate.obstacle];
     product.middleRows<3>(row) =
-        ContactPositionJacobian(contact, mu, motion_of(contact)).transpose() * columns.middleRows<3>(row);
+        ContactPositionJacobian(contact, motion_of(contact)).transpose() * columns.middleRows<3>(row);
   }
   return product;
 }
@@ -188,12 +183,12 @@ const Eigen::VectorXd* StepDerivative::MassSlopes(ParameterId id) const {
 }
 
 std::vector<MotionChange> StepDerivative::MotionChanges(ParameterId id) const {
-  std::vector<MotionChange> changes(contacts_.size());
-  if (contacts_.empty()) return changes;
+  std::vector<MotionChange> changes(contacts_.nodes.size());
+  if (contacts_.nodes.empty()) return changes;
   const ObstacleChange change(model_.scene().obstacles[id.part], motions_[id.part], parameters_.placement(id.part),
                               PlacementPartOf(id), record_.times());
-  for (std::size_t i = 0; i < contacts_.size(); ++i) {
-    const ContactCandidate& candidate = contacts_[i].candidate;
+  for (std::size_t i = 0; i < contacts_.nodes.size(); ++i) {
+    const ContactCandidate& candidate = contacts_.nodes[i].candidate;
     if (candidate.obstacle != id.part) continue;
     changes[i] =
         change.At(start_.positions.segment<3>(3 * candidate.node), candidate.normal, candidate.normal_gradient);
@@ -205,15 +200,15 @@ Eigen::VectorXd StepDerivative::ImpulseDerivative(ParameterId id) const {
   Eigen::VectorXd derivative = Eigen::VectorXd::Zero(3 * model_.num_free());
   if (IsPlacement(id.kind)) {
     const std::vector<MotionChange> changes = MotionChanges(id);
-    for (std::size_t i = 0; i < contacts_.size(); ++i) {
-      const ContactCandidate& candidate = contacts_[i].candidate;
+    for (std::size_t i = 0; i < contacts_.nodes.size(); ++i) {
+      const ContactCandidate& candidate = contacts_.nodes[i].candidate;
       if (candidate.obstacle != id.part) continue;
       derivative.segment<3>(3 * model_.free_index()[candidate.node]) =
-          ContactMotionDerivative(contacts_[i], parameters_.friction_coefficients[candidate.obstacle], changes[i]);
+          ContactMotionDerivative(contacts_.nodes[i], changes[i]);
     }
   }
   if (id.kind != ParameterKind::kFriction) return derivative;
-  for (const Contact& contact : contacts_) {
+  for (const Contact& contact : contacts_.nodes) {
     if (contact.response.branch != ContactBranch::kSlip) continue;
     if (id.part != kWhole && id.part != contact.candidate.obstacle) continue;
     derivative.segment<3>(3 * model_.free_index()[contact.candidate.node]) =

@@ -7,8 +7,8 @@
 // impulse at fixed F, for friction f_N t at slipping nodes; for the placement of an
 // obstacle's path that through gap, normal and V at fixed v.
 //
-// Contacts of the cloth with itself add their impulses r to the unknowns (sim/step/pair_jacobian.h), and to dg/dx_n at
-// fixed v and r what their weights do (pair_derivative.h).
+// Contacts of the cloth with itself add their impulses r to the unknowns (sim/contact/pair_elimination.h), and to
+// dg/dx_n at fixed v and r what their weights do (pair_derivative.h).
 //
 // A second stage (sim/step/second_start.h) starts from x_s and v_s in place of x_n and v_n. Its strain rate starts from
 // the metric C_s of x_n and x_1, so that h V dx_n gives way to h (V_n dx_n + V_1 dx_1), V_n = (1 - kappa) d2W/(dx dx_n)
@@ -24,7 +24,6 @@
 #include "sim/derivative/size_derivative.h"
 #include "sim/rollout/rollout.h"
 #include "sim/scene/parameters.h"
-#include "sim/step/pair_jacobian.h"
 #include "sim/step/step_jacobian.h"
 #include "sim/step/step_problem.h"
 
@@ -39,15 +38,14 @@ class StepDerivative {
 
   // Factors A. False where it fails.
   bool Factor(StepJacobian::Method method);
-  // Solves with `factor`, which was made at the end of the step or near it, in its place.
-  void UseFactor(std::shared_ptr<const ReducedFactor> factor);
+  // Solves with `factor`, which was made at the end of the step or near it, in its place. False where it is null or of
+  // a point too far from this one: its pattern then serves the next Factor.
+  bool UseFactor(std::shared_ptr<const ReducedFactor> factor);
   StepJacobian& jacobian() { return jacobian_; }
-  const std::vector<Contact>& contacts() const { return contacts_; }  // sticking and slipping nodes
-
+  const ContactSet& contact_set() const { return contacts_; }               // what sticks or slips
+  const std::vector<Contact>& contacts() const { return contacts_.nodes; }  // at obstacles alone
   // Of the cloth with itself; null: none is in contact.
   const PairDerivative* pairs() const { return pairs_.get(); }
-  // Makes `jacobian` the matrix in (v, r) of a step that has such pairs.
-  void SetPoint(PairJacobian* jacobian) const;
 
   double time_step() const { return record_.time_step; }  // h
   // Whether N is there, and may be asked for.
@@ -101,7 +99,7 @@ class StepDerivative {
   Eigen::VectorXd damped_masses_;  // M + h c_d diag(a) [3 Nf]
   HeldForces held_;
   std::vector<ObstacleMotion> motions_;        // empty where no obstacle moves
-  std::vector<Contact> contacts_;              // of the record
+  ContactSet contacts_;                        // of the record
   std::vector<AffineMotion> contact_motions_;  // of their obstacles there, per contact; empty where no obstacle moves
   std::unique_ptr<PairDerivative> pairs_;
 };

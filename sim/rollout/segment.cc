@@ -171,10 +171,10 @@ class StepLoop {
     if (!Solve(step, start, times, guesses, {}, records, failure)) return false;
     const StepRecord& first = records->back();
     const SecondStart second = StartSecondStage(simulator_->model(), parameters_.material, start, first.positions,
-                                                first.velocities, eta, contacts_, pairs_);
+                                                first.velocities, eta, contacts_);
     // Where contacts do not let the stages resemble each other, the second may end near the first.
     std::vector<Eigen::VectorXd> candidates;
-    if (!contacts_.empty()) candidates.push_back(point_.velocities);
+    if (!contacts_.nodes.empty()) candidates.push_back(point_.velocities);
     return Solve(step, {second.positions, second.velocities, &start.positions, &first.positions},
                  {eta, end_time, Stage::kSecond}, guesses == nullptr ? nullptr : guesses + 1, candidates, records,
                  failure);
@@ -197,16 +197,9 @@ class StepLoop {
     }
     StepRecord record{times.end_time,      times.time_step, point_.positions, problem.AllVelocities(point_), {},
                       solver.end_factor(), times.stage};
-    pairs_.clear();
-    if (problem.may_touch_itself()) {
-      pairs_ = problem.ActivePairs(point_);
-      record.pairs = RecordPairs(pairs_);
-    }
-    contacts_.clear();
-    if (problem.may_touch()) {
-      problem.FindActiveContacts(point_, &contacts_);
-      record.contacts = RecordContacts(contacts_);
-    }
+    problem.FindClosedContacts(point_, &contacts_);
+    record.contacts = RecordContacts(contacts_.nodes);
+    record.pairs = RecordPairs(contacts_.pairs);
     records->push_back(std::move(record));
     return true;
   }
@@ -245,9 +238,8 @@ class StepLoop {
   // The step starts with a cloth that does not cut itself: if it ends with one that does, it is cut into shorter ones
   // as a step that does not converge.
   bool is_clean_ = false;
-  StepPoint point_;                 // of the last solve
-  std::vector<Contact> contacts_;   // at the end of the last solve that worked
-  std::vector<PairContact> pairs_;  // likewise
+  StepPoint point_;      // of the last solve
+  ContactSet contacts_;  // closed, at the end of the last solve that worked
   SegmentOutcome outcome_;
 };
 

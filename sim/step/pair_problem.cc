@@ -133,19 +133,11 @@ void StepProblem::ApplyPairLaw(StepPoint* point) const {
   point->relative_residual = std::hypot(point->residual.norm(), point->pairs->residuals.norm()) / point->scale;
 }
 
-std::vector<PairContact> StepProblem::AllPairs(const StepPoint& point) const {
+std::vector<PairContact> StepProblem::PairsAt(const StepPoint& point) const {
   std::vector<PairContact> contacts;
   for (std::size_t c = 0; c < work_.pairs.size(); ++c) {
-    contacts.push_back({work_.pairs[c], point.pairs->responses[c], point.pairs->forces[c]});
-  }
-  return contacts;
-}
-
-std::vector<PairContact> StepProblem::ActivePairs(const StepPoint& point) const {
-  std::vector<PairContact> contacts;
-  for (std::size_t c = 0; c < work_.pairs.size(); ++c) {
-    if (point.pairs->responses[c].branch == ContactBranch::kTakeOff) continue;
-    contacts.push_back({work_.pairs[c], point.pairs->responses[c], point.pairs->forces[c]});
+    contacts.push_back({work_.pairs[c], point.pairs->responses[c], point.pairs->forces[c],
+                        work_.pairs[c].FrictionOf(self_friction())});
   }
   return contacts;
 }
@@ -174,8 +166,9 @@ std::vector<PairContact> RestorePairs(const ClothModel& model, const Parameters&
     });
     contact.candidate.has_friction = record.has_friction;
     contact.force = record.force;
-    contact.response = EvaluateContactLaw(record.force, contact.candidate.geometry.normal,
-                                          contact.candidate.FrictionOf(parameters.self_friction));
+    contact.friction_coefficient = contact.candidate.FrictionOf(parameters.self_friction);
+    contact.response =
+        EvaluateContactLaw(record.force, contact.candidate.geometry.normal, contact.friction_coefficient);
     contacts.push_back(contact);
   }
   return contacts;

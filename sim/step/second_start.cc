@@ -17,8 +17,7 @@ PairImpactNodes ImpactNodes(const ClothModel& model, const Material& material, c
 
 SecondStart StartSecondStage(const ClothModel& model, const Material& material, const SolveStart& start,
                              const Eigen::VectorXd& first_positions, const Eigen::VectorXd& first_velocities,
-                             double time_step, const std::vector<Contact>& contacts,
-                             const std::vector<PairContact>& pairs) {
+                             double time_step, const ContactSet& contacts) {
   SecondStart second;
   second.positions = start.positions + kSecondStageReach * (first_positions - start.positions);
   for (const int node : model.free_nodes()) {  // not from a difference of positions, which is rounded more
@@ -26,13 +25,13 @@ SecondStart StartSecondStage(const ClothModel& model, const Material& material, 
         start.positions.segment<3>(3 * node) + (kSecondStageReach * time_step) * first_velocities.segment<3>(3 * node);
   }
   second.velocities = start.velocities + kSecondStageReach * (first_velocities - start.velocities);
-  for (const Contact& contact : contacts) {
+  for (const Contact& contact : contacts.nodes) {
     const int node = contact.candidate.node;
     const Eigen::Vector3d change = first_velocities.segment<3>(3 * node) - start.velocities.segment<3>(3 * node);
     second.velocities.segment<3>(3 * node) -=
         kSecondStageReach * ImpactVelocity(contact, model.mass(material, node), change);
   }
-  for (const PairContact& pair : pairs) {
+  for (const PairContact& pair : contacts.pairs) {
     const PairImpact impact =
         EvaluatePairImpact(pair, ImpactNodes(model, material, pair.candidate, start.velocities, first_velocities));
     for (int i = 0; i < pair.candidate.features.num_nodes(); ++i) {

@@ -1,6 +1,8 @@
 #include "sim/step/step_jacobian.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <utility>
 
 #include "sim/matrix/block_product.h"
@@ -12,11 +14,48 @@ namespace {
 // With the factor of the point itself, only the friction coupling is left to iterations, a small perturbation; where it
 // takes more than this, LU is the better solver.
 constexpr int kMaxKrylovIterations = 60;
+constexpr int kMaxPairIterations = 120;  // likewise, where pairs are in contact
 // With the factor of another point: where it takes more, a new factor is cheaper.
 constexpr int kMaxLaggedIterations = 24;
+// Likewise, where pairs are in contact, and no more digits are asked for than this.
+constexpr int kMaxLaggedPairIterations = 15;
+constexpr double kFewDigits = 1e-6;
 // Preconditioners from this size on are in single precision: 24 x 24 nodes have 0.7 to 2 MB. Smaller ones are not
 // waited for, and would gain less than a twentieth.
 constexpr std::size_t kSinglePrecisionBytes = 512 * 1024;
+
+// Of two ascending lists: entries that are in one of them alone.
+template <class Entry>
+int NumDifferences(const std::vector<Entry>& first, const std::vector<Entry>& second) {
+  std::vector<Entry> differences;
+  std::set_symmetric_difference(first.begin(), first.end(), second.begin(), second.end(),
+                                std::back_inserter(differences));
+  return static_cast<int>(differences.size());
+}
+
+ClosedContacts Closed(const ContactSet& contacts) {
+  ClosedContacts closed;
+  for (const Contact& contact : contacts.nodes) {
+    closed.nodes.emplace_back(contact.candidate.node, contact.response.branch);
+  }
+  for (const PairContact& contact : contacts.pairs) {
+    if (contact.response.branch == ContactBranch::kTakeOff) continue;
+    closed.pairs.emplace_back(contact.candidate.features, contact.response.branch);
+  }
+  return closed;
+}
+
+Eigen::MatrixXd Stacked(Eigen::MatrixXd top, const Eigen::MatrixXd& bottom) {
+  if (bottom.rows() == 0) return top;
+  Eigen::MatrixXd stacked(top.rows() + bottom.rows(), top.cols());
+  stacked << top, bottom;
+  return stacked;
+}
+
+Eigen::MatrixXd TopRows(Eigen::MatrixXd stacked, Eigen::Index num_below) {
+  if (num_below > 0) stacked.conservativeResize(stacked.rows() - num_below, Eigen::NoChange);
+  return stacked;
+}
 
 }  // namespace
 
@@ -27,6 +66,7 @@ std::size_t ReducedFactor::bytes() const {
 
 StepJacobian::StepJacobian(const ClothModel& model) : model_(model), cholesky_(model.pattern()) {
   if (model.has_contact()) elimination_ = std::make_unique<ContactElimination>();
+  if (model.scene().self_contact) pairs_ = std::make_unique<PairElimination>();
 }
 
 void StepJacobian::SetNumThreads(int num_threads) {
@@ -35,53 +75,93 @@ void StepJacobian::SetNumThreads(int num_threads) {
   team_ = shares ? std::make_unique<ThreadTeam>(num_threads) : nullptr;
 }
 
-void StepJacobian::SetPoint(const BlockMatrix& hessian, const std::vector<Contact>& contacts,
-                            const std::vector<double>& friction_coefficients) {
+void StepJacobian::SetPoint(const BlockMatrix& hessian, const ContactSet& contacts) {
   method_ = Method::kReduced;
   hessian_ = &hessian;
   factor_is_of_point_ = false;
-  in_contact_ = !contacts.empty();
-  if (!in_contact_) return;
+  in_contact_ = !contacts.nodes.empty();
+  if (!in_contact_ && pairs_ == nullptr) return;
   const ScopedTimer timer(&seconds_.contact);
-  elimination_->SetContacts(contacts, model_.free_index(), friction_coefficients);
+  if (in_contact_) elimination_->SetContacts(contacts.nodes, model_.free_index());
+  if (pairs_ == nullptr) return;
+  pairs_->SetContacts(contacts.pairs, 3 * model_.num_free());
+  closed_ = Closed(contacts);
 }
 
 void StepJacobian::SetFactor(std::shared_ptr<const ReducedFactor> factor) {
   if (factor != factor_) preconditioner_.Set(nullptr);
-  factor_ = std::move(factor);
+  if (factor != nullptr && factor->pattern != nullptr) pattern_ = factor->pattern;
+  factor_ = factor == nullptr || factor->cholesky == nullptr ? nullptr : std::move(factor);
   factor_is_of_point_ = false;
+}
+
+void StepJacobian::Reset() {
+  SetFactor(nullptr);
+  pattern_.reset();
+}
+
+bool StepJacobian::HasFactorNear(const ContactSet& contacts, int most) const {
+  if (factor_ == nullptr) return false;
+  if (contacts.pairs.empty() && factor_->contacts.pairs.empty()) return true;
+  const ClosedContacts closed = Closed(contacts), &made_with = factor_->contacts;
+  return NumDifferences(closed.nodes, made_with.nodes) + NumDifferences(closed.pairs, made_with.pairs) <= most;
+}
+
+const Eigen::VectorXd& StepJacobian::ReducedValues(const BlockMatrix& matrix) {
+  if (!in_contact_) return matrix.values;
+  const ScopedTimer timer(&seconds_.contact);
+  elimination_->Reduce(matrix, &values_);
+  return values_;
+}
+
+// In a pattern that covers the pairs in contact.
+std::shared_ptr<const CholeskyFactor> StepJacobian::FactorWithPairs() {
+  if (pattern_ == nullptr || !pattern_->Covers(pairs_->ClosedBlocks())) {
+    const ScopedTimer timer(&seconds_.factorization);
+    pattern_ = std::make_shared<const WidePattern>(*model_.pattern(), pairs_->blocks());
+  }
+  BlockMatrix wide = pattern_->Widened(*hessian_);
+  pairs_->AddAugmented(&wide);
+  const Eigen::VectorXd& values = ReducedValues(wide);
+  const ScopedTimer timer(&seconds_.factorization);
+  return pattern_->Factor(values, team_.get());
 }
 
 bool StepJacobian::Factor(Method method) {
   method_ = method;
-  if (in_contact_) {
-    const ScopedTimer timer(&seconds_.contact);
-    if (method == Method::kLu) {
-      elimination_->FullJacobian(*hessian_, &values_);
-    } else {
-      elimination_->Reduce(*hessian_, &values_);
-    }
-  }
-  const Eigen::VectorXd& values = in_contact_ ? values_ : hessian_->values;
-  const ScopedTimer timer(&seconds_.factorization);
   if (method == Method::kLu) {
+    if (in_contact_) elimination_->FullJacobian(*hessian_, &values_);
+    const ScopedTimer timer(&seconds_.factorization);
     if (lu_ == nullptr) lu_ = std::make_unique<LuFactor>(model_.pattern());
-    return lu_->Factor(values);
+    return lu_->Factor(in_contact_ ? values_ : hessian_->values);
   }
   factor_.reset();  // first, so that its memory can be used again
   preconditioner_.Set(nullptr);
-  ReducedFactor factor{cholesky_.Factor(values, team_.get()), {}};
+  ReducedFactor factor;
+  if (has_pairs()) {
+    factor.cholesky = FactorWithPairs();
+    factor.pattern = pattern_;
+  } else {
+    const Eigen::VectorXd& values = ReducedValues(*hessian_);
+    const ScopedTimer timer(&seconds_.factorization);
+    factor.cholesky = cholesky_.Factor(values, team_.get());
+  }
   if (factor.cholesky == nullptr) return false;
   if (in_contact_) factor.frames = elimination_->SlipFrames();
+  factor.contacts = closed_;
   factor_ = std::make_shared<const ReducedFactor>(std::move(factor));
   factor_is_of_point_ = true;
   return true;
 }
 
-bool StepJacobian::Factor(Method method, const BlockMatrix& hessian, const std::vector<Contact>& contacts,
-                          const std::vector<double>& friction_coefficients) {
-  SetPoint(hessian, contacts, friction_coefficients);
+bool StepJacobian::Factor(Method method, const BlockMatrix& hessian, const ContactSet& contacts) {
+  SetPoint(hessian, contacts);
   return Factor(method);
+}
+
+double StepJacobian::factor_flops_per_entry() const {
+  if (factor_ != nullptr && factor_->pattern != nullptr) return factor_->pattern->flops_per_entry();
+  return cholesky_.num_flops() / cholesky_.num_entries();
 }
 
 // A factor of another point is but a preconditioner.
@@ -112,16 +192,40 @@ Eigen::MatrixXd StepJacobian::ApplyFactor(const Eigen::MatrixXd& vectors) {
   return result;
 }
 
-// Z^T (I + mu t n^T) K Z + kappa b b^T, or its transpose; K itself without contacts.
+// Of (q, lambda) likewise, with one more row for every lambda.
+Eigen::MatrixXd StepJacobian::Precondition(const Eigen::MatrixXd& q) {
+  if (!has_pairs()) return ApplyFactor(q);
+  const Eigen::MatrixXd e = q.bottomRows(pairs_->num_rows());
+  Eigen::MatrixXd v = q.topRows(q.rows() - e.rows());
+  pairs_->AddPenalty(e, &v);
+  if (in_contact_) elimination_->Project(&v);
+  v = ApplyFactor(v);
+  const Eigen::MatrixXd lambda = pairs_->PenaltyImpulses(e, v);
+  return Stacked(std::move(v), lambda);
+}
+
+Eigen::MatrixXd StepJacobian::TimesStiffness(const Eigen::MatrixXd& velocities) const {
+  Eigen::MatrixXd product = MultiplySymmetric(*hessian_, velocities, team_.get());
+  if (has_pairs()) pairs_->AddStiffness(velocities, &product);
+  return product;
+}
+
+// Z^T (I + mu t n^T) K Z + kappa b b^T, or its transpose; K itself without contacts. With pairs in contact the matrix
+// of pair_elimination.h, likewise.
 Eigen::MatrixXd StepJacobian::ApplyReduced(Direction direction, const Eigen::MatrixXd& q) const {
-  if (!in_contact_) return MultiplySymmetric(*hessian_, q, team_.get());
-  Eigen::MatrixXd v = q;
-  if (direction == Direction::kTransposed) elimination_->AddFrictionTransposed(&v);
-  Eigen::MatrixXd result = MultiplySymmetric(*hessian_, v, team_.get());
-  if (direction == Direction::kForward) elimination_->AddFriction(&result);
-  elimination_->Project(&result);
-  elimination_->AddSlipStiffness(q, &result);
-  return result;
+  const bool transposed = direction == Direction::kTransposed;
+  if (!in_contact_ && !has_pairs()) return TimesStiffness(q);
+  const Eigen::Index num_rows = has_pairs() ? pairs_->num_rows() : 0;
+  Eigen::MatrixXd v = num_rows == 0 ? q : q.topRows(q.rows() - num_rows);
+  if (in_contact_ && transposed) elimination_->AddFrictionTransposed(&v);
+  Eigen::MatrixXd result = TimesStiffness(v);
+  if (has_pairs()) pairs_->SubtractForces(transposed, q.bottomRows(num_rows), &result);
+  if (in_contact_) {
+    if (!transposed) elimination_->AddFriction(&result);
+    elimination_->Project(&result);
+    elimination_->AddSlipStiffness(q, &result);
+  }
+  return has_pairs() ? Stacked(std::move(result), pairs_->TimesRows(transposed, v)) : result;
 }
 
 bool StepJacobian::SolveByConjugateGradients(const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* q) {
@@ -137,59 +241,84 @@ bool StepJacobian::SolveByConjugateGradients(const Eigen::MatrixXd& right, doubl
 
 bool StepJacobian::SolveReduced(Direction direction, const Eigen::MatrixXd& right, double tolerance,
                                 Eigen::MatrixXd* q) {
-  if (factor_is_of_point_ && !has_coupling()) {
+  if (!has_pairs() && factor_is_of_point_ && !has_coupling()) {
     *q = ApplyFactor(right);
     return true;
   }
-  if (!has_coupling() && right.cols() == 1) return SolveByConjugateGradients(right, tolerance, q);
+  if (!has_pairs() && !has_coupling() && right.cols() == 1) return SolveByConjugateGradients(right, tolerance, q);
+  const bool is_short = has_pairs() && !factor_is_of_point_ && tolerance > kFewDigits;
   const GmresResult result = Gmres([&](const Eigen::MatrixXd& v) { return ApplyReduced(direction, v); },
-                                   [&](const Eigen::MatrixXd& v) { return ApplyFactor(v); }, right, tolerance,
-                                   factor_is_of_point_ ? kMaxKrylovIterations : kMaxLaggedIterations, q);
+                                   [&](const Eigen::MatrixXd& v) { return Precondition(v); }, right, tolerance,
+                                   is_short ? kMaxLaggedPairIterations : MostIterations(), q);
   iterations_ = result.iterations;
+  if (!result.converged || (has_pairs() && !q->allFinite())) return false;
+  if (direction == Direction::kTransposed || factor_is_of_point_ || right.cols() != 1) return true;
   // What the inertia test of a factor of this point would have found.
-  const bool negative_curvature = direction == Direction::kForward && !factor_is_of_point_ && right.cols() == 1 &&
-                                  right.col(0).dot(q->col(0)) <= 0.0;
-  return result.converged && !negative_curvature;
+  if (!has_pairs()) return right.col(0).dot(q->col(0)) > 0.0;
+  const Eigen::VectorXd dv = q->col(0).head(3 * model_.num_free());
+  return dv.dot(TimesStiffness(dv).col(0)) >= 0.0;
 }
 
-bool StepJacobian::Solve(const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* dv) {
+int StepJacobian::MostIterations() const {
+  if (!factor_is_of_point_) return kMaxLaggedIterations;
+  return has_pairs() ? kMaxPairIterations : kMaxKrylovIterations;
+}
+
+bool StepJacobian::Solve(const StepColumns& right, double tolerance, StepColumns* solution) {
   const ScopedTimer timer(&seconds_.solution);
   iterations_ = 0;
   if (method_ == Method::kLu) {
-    lu_->Solve(right, dv);
-    return dv->allFinite();
+    lu_->Solve(right.velocities, &solution->velocities);
+    solution->impulses = right.impulses;
+    return solution->velocities.allFinite();
   }
-  if (!in_contact_) return SolveReduced(Direction::kForward, right, tolerance, dv);
-  const Eigen::MatrixXd known = elimination_->KnownPart(right);
-  const Eigen::MatrixXd matrix_known = MultiplySymmetric(*hessian_, known, team_.get());
-  if (!SolveReduced(Direction::kForward, elimination_->ReducedRight(right, known, matrix_known), tolerance, dv)) {
-    return false;
+  Eigen::MatrixXd momentum = right.velocities, known, rows, q;
+  if (may_have_pairs()) {
+    Eigen::MatrixXd impulse = pairs_->KnownMomentum(right.impulses);
+    AddImpulse(&impulse);
+    momentum += impulse;
+    rows = pairs_->RightRows(right.impulses);
   }
-  *dv += known;
+  if (in_contact_) {
+    known = elimination_->KnownPart(momentum);
+    momentum = elimination_->ReducedRight(momentum, known, TimesStiffness(known));
+    if (has_pairs()) rows -= pairs_->TimesRows(false, known);
+  }
+  if (!SolveReduced(Direction::kForward, Stacked(std::move(momentum), rows), tolerance, &q)) return false;
+  const Eigen::MatrixXd lambda = q.bottomRows(rows.rows());
+  solution->velocities = TopRows(std::move(q), rows.rows());
+  if (in_contact_) solution->velocities += known;
+  if (may_have_pairs()) solution->impulses = pairs_->Impulses(lambda, right.impulses, solution->velocities);
   return true;
 }
 
-bool StepJacobian::SolveTransposed(const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* z,
-                                   Eigen::MatrixXd* y) {
+// In the reduced system the multipliers of pairs are negated: both directions then have the same signs.
+bool StepJacobian::SolveTransposed(const StepColumns& right, double tolerance, StepColumns* z, Eigen::MatrixXd* y) {
   const ScopedTimer timer(&seconds_.solution);
   iterations_ = 0;
   if (method_ == Method::kLu) {
-    lu_->SolveTransposed(right, z);
-    *y = *z;
+    lu_->SolveTransposed(right.velocities, &z->velocities);
+    *y = z->velocities;
     if (in_contact_) elimination_->AddImpulseTransposed(y);
-    return z->allFinite();
+    return z->velocities.allFinite();
   }
-  if (!in_contact_) {
-    if (!SolveReduced(Direction::kTransposed, right, tolerance, z)) return false;
-    *y = *z;
-    return true;
+  Eigen::MatrixXd momentum = right.velocities, rows, q;
+  if (may_have_pairs()) {
+    momentum -= pairs_->KnownMomentumTransposed(right.impulses);
+    rows = pairs_->RightRowsTransposed(right.impulses);
   }
-  Eigen::MatrixXd projected = right, q;
-  elimination_->Project(&projected);
-  if (!SolveReduced(Direction::kTransposed, projected, tolerance, &q)) return false;
-  *y = q;
-  elimination_->AddFrictionTransposed(y);
-  *z = elimination_->RecoverAdjoint(right, q, MultiplySymmetric(*hessian_, *y, team_.get()));
+  Eigen::MatrixXd projected = momentum;
+  if (in_contact_) elimination_->Project(&projected);
+  if (!SolveReduced(Direction::kTransposed, Stacked(std::move(projected), rows), tolerance, &q)) return false;
+  const Eigen::MatrixXd lambda = q.bottomRows(rows.rows());
+  *y = z->velocities = TopRows(std::move(q), rows.rows());
+  if (in_contact_) {
+    elimination_->AddFrictionTransposed(y);
+    Eigen::MatrixXd balance = TimesStiffness(*y);
+    if (has_pairs()) pairs_->SubtractForces(true, lambda, &balance);
+    z->velocities = elimination_->RecoverAdjoint(momentum, z->velocities, balance);
+  }
+  if (may_have_pairs()) z->impulses = pairs_->AdjointImpulses(-lambda, right.impulses, *y);
   return true;
 }
 

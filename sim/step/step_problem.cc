@@ -73,7 +73,7 @@ std::vector<Contact> RestoreContacts(const ClothModel& model, const Parameters& 
     const double mu = parameters.friction_coefficients[record.obstacle];
     contacts.push_back({candidate, EvaluateContactLaw(record.force, candidate.normal, mu), record.force,
                         SystemDiagonal(model, parameters.material, times.time_step, record.node),
-                        ObstacleGain(motions, candidate, start_positions)});
+                        ObstacleGain(motions, candidate, start_positions), mu});
   }
   return contacts;
 }
@@ -303,19 +303,30 @@ void StepProblem::ClipToFeasible(Eigen::VectorXd* velocities) const {
   }
 }
 
-void StepProblem::FindActiveContacts(const StepPoint& point, std::vector<Contact>* contacts) const {
+void StepProblem::FindNodes(const StepPoint& point, std::vector<Contact>* contacts) const {
   contacts->clear();
   for (size_t i = 0; i < work_.candidates.size(); ++i) {
     if (point.responses[i].branch == ContactBranch::kTakeOff) continue;
     contacts->push_back({work_.candidates[i], point.responses[i], point.forces[i], weight(static_cast<int>(i)),
-                         ObstacleGain(work_.motions, work_.candidates[i], work_.start_positions)});
+                         ObstacleGain(work_.motions, work_.candidates[i], work_.start_positions),
+                         friction_coefficient(static_cast<int>(i))});
   }
 }
 
-std::vector<Contact> StepProblem::ActiveContacts(const StepPoint& point) const {
-  std::vector<Contact> contacts;
-  FindActiveContacts(point, &contacts);
+ContactSet StepProblem::ContactsAt(const StepPoint& point) const {
+  ContactSet contacts;
+  FindNodes(point, &contacts.nodes);
+  if (may_touch_itself()) contacts.pairs = PairsAt(point);
   return contacts;
+}
+
+void StepProblem::FindClosedContacts(const StepPoint& point, ContactSet* contacts) const {
+  FindNodes(point, &contacts->nodes);
+  contacts->pairs.clear();
+  if (!may_touch_itself()) return;
+  for (const PairContact& pair : PairsAt(point)) {
+    if (pair.response.branch != ContactBranch::kTakeOff) contacts->pairs.push_back(pair);
+  }
 }
 
 Eigen::VectorXd StepProblem::AllVelocities(const StepPoint& point) const {

@@ -22,8 +22,7 @@
 #include <vector>
 
 #include "sim/cloth/cloth_model.h"
-#include "sim/contact/contact.h"
-#include "sim/contact/self_contact.h"
+#include "sim/contact/contact_set.h"
 #include "sim/contact/self_contact_search.h"
 #include "sim/scene/parameters.h"
 #include "sim/step/obstacle_motions.h"
@@ -88,6 +87,7 @@ void AssembleStepHessian(const ClothModel& model, HessianKind kind, const ForceP
 
 // What a rollout keeps of contacts.
 std::vector<ContactRecord> RecordContacts(const std::vector<Contact>& contacts);
+std::vector<PairContactRecord> RecordPairs(const std::vector<PairContact>& contacts);
 
 // The contacts behind `records` of a solve from `start_positions` x_n [3N], over which obstacles have `motions`: the
 // numbers of its solver to the last bit.
@@ -95,13 +95,10 @@ std::vector<Contact> RestoreContacts(const ClothModel& model, const Parameters& 
                                      const Eigen::VectorXd& start_positions, const SolveTimes& times,
                                      const std::vector<ObstacleMotion>& motions,
                                      const std::vector<ContactRecord>& records);
-
-// The pairs in contact behind `records`, likewise, with the velocities [3N] at the end of the solve, of which those of
-// handles count.
+// Likewise, with the velocities [3N] at the end of the solve, of which those of handles count.
 std::vector<PairContact> RestorePairs(const ClothModel& model, const Parameters& parameters,
                                       const Eigen::VectorXd& start_positions, const Eigen::VectorXd& end_velocities,
                                       const SolveTimes& times, const std::vector<PairContactRecord>& records);
-std::vector<PairContactRecord> RecordPairs(const std::vector<PairContact>& contacts);
 
 // d_j of node `node` in a solve of size `time_step`, kg.
 double SystemDiagonal(const ClothModel& model, const Material& material, double time_step, int node);
@@ -142,24 +139,21 @@ class StepProblem {
   // sum |v_i|^2/d_i of a vector over the free nodes.
   double WeighedSquare(const Eigen::VectorXd& vector) const;
 
-  // What is added to the potential where normal impulses r_N are held as at `lagged`: friction mu r_N |u_T| at obstacles
-  // and pairs, less the work r_N n . u of pairs. A step minimises the sum of both.
+  // What is added to the potential where normal impulses r_N are held as at `lagged`: friction mu r_N |u_T| at
+  // obstacles and pairs, less the work r_N n . u of pairs. A step minimises the sum of both.
   double HeldPotential(const StepPoint& lagged, const Eigen::VectorXd& velocities) const;
 
   // v_N <- max(v_N, V_N - gap_speed) at every candidate.
   void ClipToFeasible(Eigen::VectorXd* velocities) const;
 
-  // The sticking and slipping nodes at `point` overwrite `contacts`.
-  void FindActiveContacts(const StepPoint& point, std::vector<Contact>* contacts) const;
-  std::vector<Contact> ActiveContacts(const StepPoint& point) const;
+  // The sticking and slipping nodes at `point`, and all of its pairs, those that leave as well.
+  ContactSet ContactsAt(const StepPoint& point) const;
+  // Those that stick or slip alone; they overwrite `contacts`.
+  void FindClosedContacts(const StepPoint& point, ContactSet* contacts) const;
 
   // Adds the pairs that thinning has left out and that `point` brings too near, without friction. True:
   // there are some, and the step has to be solved again, with rows that may depend on each other.
   bool TakesBackPairs(const StepPoint& point) { return !work_.left_out.empty() && TakeBackPairs(point); }
-
-  // The pairs at `point`, those that leave as well, or those in contact alone.
-  std::vector<PairContact> AllPairs(const StepPoint& point) const;
-  std::vector<PairContact> ActivePairs(const StepPoint& point) const;
 
   // The velocities [3N] of the step, with those of the handles.
   Eigen::VectorXd AllVelocities(const StepPoint& point) const;
@@ -183,6 +177,8 @@ class StepProblem {
   ForcePoint ForcesAt(const StepPoint& point) const;  // sets the velocities in the workspace where forces need them
   // Phi and the responses, from v and g.
   void ApplyContactLaw(StepPoint* point) const;
+  void FindNodes(const StepPoint& point, std::vector<Contact>* contacts) const;  // the sticking and slipping ones
+  std::vector<PairContact> PairsAt(const StepPoint& point) const;
   // Takes J^T r off g.
   void AddPairImpulses(StepPoint* point) const;
   void ApplyPairLaw(StepPoint* point) const;

@@ -6,63 +6,18 @@
 namespace clothid {
 namespace {
 
-constexpr double kLargestForcing = 0.1;       // tolerance of the linear system of a Newton iteration, ...
-constexpr double kForcingInContact = 0.3;     // ... where contacts are likely to change on the way, ...
-constexpr double kForcing = 0.9;              // ... its share of the square of the last reduction of the residual, ...
-constexpr double kGoalShare = 0.3;            // ... and at least so much of the reduction that is left to do
-constexpr double kFlopsPerEntry = 18.0;       // of a factorisation, in the time that a solve takes per entry of L
-constexpr double kFewestIterations = 5.0;     // a linear solve that takes more may cost as much as a new factor, ...
-constexpr double kMostIterations = 10.0;      // ... one that takes more does
-constexpr int kDerivativeDigits = 8;          // that are asked of a derivative with a factor that was kept, ...
-constexpr int kDerivativeIterations = 5;      // ... in at most so many iterations
+constexpr double kFlopsPerEntry = 18.0;    // of a factorisation, in the time that a solve takes per entry of L
+constexpr double kFewestIterations = 5.0;  // a linear solve that takes more may cost as much as a new factor, ...
+constexpr double kMostIterations = 10.0;   // ... one that takes more does
+constexpr int kDerivativeDigits = 8;       // that are asked of a derivative with a factor that was kept, ...
+constexpr int kDerivativeIterations = 5;   // ... in at most so many iterations, ...
+constexpr double kFewestSpared = 5.0, kMostSpared = 12.0;  // ... and as many as one with pairs takes as long as
+constexpr int kMostChanges = 4;               // of contacts since a factor with pairs was made, which then still serves
 constexpr double kRefineTolerance = 1e-8;     // of the linear system of an iteration beyond the tolerance
 constexpr double kSufficientDecrease = 1e-4;  // Armijo
 constexpr int kMaxHalvings = 14;              // of the step length in a line search
-constexpr double kSlowProgress = 0.9;         // a residual above this share of the one before last: a cycle
-constexpr double kReversal = 0.25;            // an iteration this far against the one before, as a cosine: likewise
-constexpr double kShortestFirstLength = 0.125;
-constexpr int kSweptIterations = 8;          // after these many a step is hard for other reasons than its contacts
-constexpr int kPatience = 30;                // iterations without progress before Newton's method gives up
-constexpr double kProgress = 0.8;            // a residual below this share of the lowest one is progress
-constexpr double kSmallestIncrement = 1e-2;  // of the share of friction in its continuation
-
-bool InContact(const StepPoint& point) {
-  return std::any_of(point.responses.begin(), point.responses.end(),
-                     [](const ContactResponse& response) { return response.branch != ContactBranch::kTakeOff; });
-}
-
-bool BranchesDiffer(const StepPoint& a, const StepPoint& b) {
-  return !std::equal(a.responses.begin(), a.responses.end(), b.responses.begin(), b.responses.end(),
-                     [](const auto& r, const auto& s) { return r.branch == s.branch; });
-}
-
-// The tolerance of Newton's linear system at `point`, whose relative residual was `last` before the last iteration (0:
-// none): the forcing term of Eisenstat and Walker 1996, choice 2, but no more accurate than a residual below `goal`
-// needs.
-double ForcingTerm(const StepPoint& point, bool changes, double last, double goal) {
-  const double residual = point.relative_residual, ratio = last > 0.0 ? residual / last : 1.0;
-  const double largest = changes ? kForcingInContact : kLargestForcing;
-  return std::max(std::min(largest, kForcing * ratio * ratio), kGoalShare * goal / residual);
-}
-
-// Whether Newton's method gets on. In a stiff cloth the residual stays where it is for dozens of iterations, set by
-// elastic forces far larger than those of the solution, while the potential falls; in a cycle neither does.
-class Progress {
- public:
-  explicit Progress(const StepPoint& start) : residual_(start.relative_residual), potential_(start.potential) {}
-
-  bool Continues(const StepPoint& point) {
-    const bool gets_on = point.relative_residual < kProgress * residual_ || point.potential < potential_;
-    if (point.relative_residual < kProgress * residual_) residual_ = point.relative_residual;
-    potential_ = std::min(potential_, point.potential);
-    idle_ = gets_on ? 0 : idle_ + 1;
-    return idle_ < kPatience;
-  }
-
- private:
-  double residual_, potential_;  // the lowest, for progress
-  int idle_ = 0;                 // iterations
-};
+constexpr double kExplosion = 100.0;          // times the residual, which no length may reach
+constexpr double kSmallestIncrement = 1e-2;   // of the share of friction in its continuation
 
 }  // namespace
 
@@ -71,9 +26,7 @@ StepSolver::StepSolver(const ClothModel& model)
       hessian_(model.pattern()),
       jacobian_(model),
       refactor_iterations_(
-          std::clamp(jacobian_.factor_flops_per_entry() / kFlopsPerEntry, kFewestIterations, kMostIterations)) {
-  if (model.scene().self_contact) pair_newton_ = std::make_unique<PairNewton>(model, &hessian_, &jacobian_);
-}
+          std::clamp(jacobian_.factor_flops_per_entry() / kFlopsPerEntry, kFewestIterations, kMostIterations)) {}
 
 double StepSolver::Tolerance(const StepProblem& problem, double tolerance, const StepPoint& point) {
   return std::max(tolerance, problem.RoundingFloor(point));
@@ -132,6 +85,25 @@ void StepSolver::SetPairs(const StepProblem& problem, StepPoint* point) {
   trial_.pairs = point->pairs;
 }
 
+void StepSolver::WarmStart(const StepProblem& problem, StepPoint* point) {
+  point->pairs->impulses.setZero();
+  for (std::size_t c = 0; c < problem.pairs().size(); ++c) {
+    const auto found = pair_forces_.find(problem.pairs()[c].features);
+    if (found == pair_forces_.end()) continue;
+    point->pairs->impulses.col(static_cast<Eigen::Index>(c)) = problem.time_step() * found->second;
+  }
+  Evaluate(problem, Eigen::VectorXd(point->velocities), point);
+}
+
+void StepSolver::KeepImpulses(const StepProblem& problem, const StepPoint& point) {
+  pair_forces_.clear();
+  for (std::size_t c = 0; c < problem.pairs().size(); ++c) {
+    if (point.pairs->responses[c].branch == ContactBranch::kTakeOff) continue;
+    pair_forces_[problem.pairs()[c].features] =
+        point.pairs->impulses.col(static_cast<Eigen::Index>(c)) / problem.time_step();
+  }
+}
+
 bool StepSolver::SolveFrom(const Task& task, StepPoint* point) {
   acceleration_.resize(0);
   if (Newton(task, point)) {
@@ -142,38 +114,42 @@ bool StepSolver::SolveFrom(const Task& task, StepPoint* point) {
 }
 
 std::shared_ptr<const ReducedFactor> StepSolver::end_factor() const {
-  if (had_pairs_) return ends_with_factors_ ? pair_newton_->factor() : pair_newton_->factor_or_pattern();
-  return ends_with_factors_ ? jacobian_.factor() : nullptr;
+  if (ends_with_factors_ || (had_pairs_ && FactorServesDerivative())) return jacobian_.factor();
+  if (!had_pairs_ || jacobian_.pattern() == nullptr) return nullptr;
+  ReducedFactor none;
+  none.pattern = jacobian_.pattern();
+  return std::make_shared<const ReducedFactor>(std::move(none));
 }
 
 void StepSolver::Refine(const Task& task, StepPoint* point) {
-  if (task.problem.may_touch_itself()) {
-    pair_newton_->Refine(task.problem, task.tolerance, point, task.counts);
-    return;
-  }
   ++task.counts->newton_iterations;
-  std::vector<Contact> contacts;
-  if (task.problem.may_touch()) task.problem.FindActiveContacts(*point, &contacts);
-  Eigen::VectorXd direction;
+  StepColumns direction;
+  const ContactSet contacts = task.problem.ContactsAt(*point);
   if (!DirectionByNewFactor(task, contacts, *point, kRefineTolerance, &direction)) return;
-  StartAt(task.problem, point->velocities + direction, &trial_);
-  if (task.IsSolvedAt(trial_)) std::swap(*point, trial_);
+  Try(task.problem, *point, direction, 1.0);
+  if (!task.IsSolvedAt(trial_)) return;
+  std::swap(*point, trial_);
+  KeepImpulses(task.problem, *point);
 }
 
 // A new one, unless the one at hand brings a derivative to full accuracy in fewer iterations than that costs.
 void StepSolver::EndWithFactor(const Task& task, const StepPoint& point) {
-  if (task.problem.may_touch_itself()) {
-    pair_newton_->EndWithFactor(task.problem, point, task.counts);
-    return;
-  }
-  if (jacobian_.factor() != nullptr && kDerivativeDigits * iterations_per_digit_ <= kDerivativeIterations) return;
-  std::vector<Contact> contacts;
-  if (task.problem.may_touch()) task.problem.FindActiveContacts(point, &contacts);
+  const ContactSet contacts = task.problem.ContactsAt(point);
+  if (jacobian_.HasFactorNear(contacts, 0) && FactorServesDerivative()) return;
   Assemble(task.problem, HessianKind::kExact, point);
   ++task.counts->factorizations;
-  jacobian_.Factor(StepJacobian::Method::kReduced, hessian_, contacts, task.mu());
+  jacobian_.Factor(StepJacobian::Method::kReduced, hessian_, contacts);
   iterations_per_digit_ = 0.0;
   new_factor_is_due_ = false;
+}
+
+bool StepSolver::FactorServesDerivative() const {
+  if (jacobian_.factor() == nullptr) return false;
+  double most = kDerivativeIterations;
+  if (jacobian_.factor()->pattern != nullptr) {
+    most += std::clamp(jacobian_.factor_flops_per_entry() / kFlopsPerEntry, kFewestSpared, kMostSpared);
+  }
+  return kDerivativeDigits * iterations_per_digit_ <= most;
 }
 
 void StepSolver::Evaluate(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point) {
@@ -182,9 +158,9 @@ void StepSolver::Evaluate(const StepProblem& problem, const Eigen::VectorXd& vel
 }
 
 void StepSolver::Reset(bool end_with_factors) {
-  jacobian_.SetFactor(nullptr);
+  jacobian_.Reset();
   acceleration_.resize(0);
-  if (pair_newton_ != nullptr) pair_newton_->Reset();
+  pair_forces_.clear();
   ends_with_factors_ = end_with_factors;
   iterations_per_digit_ = 0.0;
   new_factor_is_due_ = false;
@@ -195,147 +171,173 @@ void StepSolver::Assemble(const StepProblem& problem, HessianKind kind, const St
   problem.AssembleHessian(kind, point, &hessian_);
 }
 
-bool StepSolver::FactorAt(const Task& task, const std::vector<Contact>& contacts, const StepPoint& point) {
+bool StepSolver::FactorAt(const Task& task, const ContactSet& contacts, const StepPoint& point) {
   for (const HessianKind kind : {HessianKind::kExact, HessianKind::kClamped}) {
     Assemble(task.problem, kind, point);
     ++task.counts->factorizations;
-    if (jacobian_.Factor(StepJacobian::Method::kReduced, hessian_, contacts, task.mu())) return true;
+    if (jacobian_.Factor(StepJacobian::Method::kReduced, hessian_, contacts)) return true;
   }
   return false;
 }
 
-// A dv = -Phi; by LU of the same matrix where GMRES stalls on a strong friction coupling.
-bool StepSolver::SolveAt(const Task& task, const std::vector<Contact>& contacts, const Eigen::VectorXd& residual,
-                         double forcing, Eigen::VectorXd* direction) {
-  Eigen::MatrixXd solution;
-  bool solved = jacobian_.Solve(-residual, forcing, &solution);
-  task.counts->linear_iterations += jacobian_.iterations();
-  if (!solved) {
-    ++task.counts->factorizations;
-    solved = jacobian_.Factor(StepJacobian::Method::kLu, hessian_, contacts, task.mu()) &&
-             jacobian_.Solve(-residual, forcing, &solution);
+// A (dv, dr) = -(Phi, R). Where GMRES stalls on a strong friction coupling, by LU of the same matrix, or, as that has
+// no pairs, with the clamped one.
+bool StepSolver::SolveAt(const Task& task, const ContactSet& contacts, const StepPoint& point, double forcing,
+                         StepColumns* direction) {
+  StepColumns right{-point.residual};
+  if (!contacts.pairs.empty()) right.impulses = -point.pairs->residuals.reshaped();
+  const auto solve = [&] {
+    const bool solved = jacobian_.Solve(right, forcing, direction);
+    task.counts->linear_iterations += jacobian_.iterations();
+    return solved;
+  };
+  if (solve()) return direction->velocities.allFinite();
+  ++task.counts->factorizations;
+  StepJacobian::Method method = StepJacobian::Method::kLu;
+  if (!contacts.pairs.empty()) {
+    Assemble(task.problem, HessianKind::kClamped, point);
+    method = StepJacobian::Method::kReduced;
   }
-  if (!solved || !solution.allFinite()) return false;
-  *direction = solution;
-  return true;
+  return jacobian_.Factor(method, hessian_, contacts) && solve() && direction->velocities.allFinite();
 }
 
-bool StepSolver::DirectionByFactorAtHand(const Task& task, const std::vector<Contact>& contacts, const StepPoint& point,
-                                         double forcing, Eigen::VectorXd* direction) {
+bool StepSolver::DirectionByFactorAtHand(const Task& task, const ContactSet& contacts, const StepPoint& point,
+                                         double forcing, StepColumns* direction) {
   Assemble(task.problem, HessianKind::kExact, point);
-  jacobian_.SetPoint(hessian_, contacts, task.mu());
-  Eigen::MatrixXd solution;
-  const bool solved = jacobian_.Solve(-point.residual, forcing, &solution) && solution.allFinite();
+  jacobian_.SetPoint(hessian_, contacts);
+  StepColumns right{-point.residual};
+  if (!contacts.pairs.empty()) right.impulses = -point.pairs->residuals.reshaped();
+  const bool solved = jacobian_.Solve(right, forcing, direction) && direction->velocities.allFinite();
   task.counts->linear_iterations += jacobian_.iterations();
   new_factor_is_due_ = jacobian_.iterations() > refactor_iterations_;
   iterations_per_digit_ = -jacobian_.iterations() / std::log10(forcing);
-  if (solved) *direction = solution;
   return solved;
 }
 
-bool StepSolver::DirectionByNewFactor(const Task& task, const std::vector<Contact>& contacts, const StepPoint& point,
-                                      double forcing, Eigen::VectorXd* direction) {
+bool StepSolver::DirectionByNewFactor(const Task& task, const ContactSet& contacts, const StepPoint& point,
+                                      double forcing, StepColumns* direction) {
   new_factor_is_due_ = false;
+  const bool solved = FactorAt(task, contacts, point) && SolveAt(task, contacts, point, forcing, direction);
   // Where few digits are missing, the step ends near to where the factor was made.
   iterations_per_digit_ = 1.0 / std::max(1.0, -std::log10(point.relative_residual));
-  return FactorAt(task, contacts, point) && SolveAt(task, contacts, point.residual, forcing, direction);
+  if (!contacts.pairs.empty()) iterations_per_digit_ -= jacobian_.iterations() / std::log10(forcing);
+  return solved;
 }
 
-// Accepts the first length at which the residual or the potential decreases enough.
-bool StepSolver::LineSearch(const StepProblem& problem, const Eigen::VectorXd& direction, double first_length,
+void StepSolver::Try(const StepProblem& problem, const StepPoint& point, const StepColumns& direction, double length) {
+  Eigen::VectorXd velocities = point.velocities + length * direction.velocities.col(0);
+  if (problem.may_touch_itself()) {
+    if (!trial_.pairs) trial_.pairs.emplace();
+    trial_.pairs->impulses = point.pairs->impulses + length * direction.impulses.reshaped(3, problem.pairs().size());
+  } else if (problem.may_touch()) {
+    problem.ClipToFeasible(&velocities);
+  }
+  Evaluate(problem, velocities, &trial_);
+}
+
+// Accepts the first length at which the residual or the potential decreases enough, the latter where that leaves pairs
+// settled or the residual of pairs about where it was.
+bool StepSolver::LineSearch(const StepProblem& problem, const StepColumns& direction, const IterationPlan& plan,
                             StepPoint* point) {
-  const bool may_touch = problem.may_touch();
-  const double friction = may_touch ? problem.HeldPotential(*point, point->velocities) : 0.0;
-  double length = first_length;
+  const bool has_pairs = problem.may_touch_itself(), in_contact = has_pairs || problem.may_touch();
+  const double size = ResidualSize(problem, *point);
+  const double held = in_contact ? problem.HeldPotential(*point, point->velocities) : 0.0;
+  Eigen::VectorXd impulses;
+  if (has_pairs) impulses = jacobian_.Spread(point->pairs->impulses.reshaped());
+  double length = plan.first_length;
   for (int halving = 0; halving < kMaxHalvings; ++halving, length *= 0.5) {
-    Eigen::VectorXd velocities = point->velocities + length * direction;
-    if (may_touch) problem.ClipToFeasible(&velocities);
-    Evaluate(problem, velocities, &trial_);
+    Try(problem, *point, direction, length);
     if (!std::isfinite(trial_.relative_residual)) continue;
-    const double friction_change = may_touch ? problem.HeldPotential(*point, velocities) - friction : 0.0;
-    const double slope = point->momentum_gradient.dot(velocities - point->velocities) + friction_change;
-    const double potential_change = trial_.potential - point->potential + friction_change;
-    const bool residual_decreases =
-        trial_.residual.norm() <= (1.0 - kSufficientDecrease * length) * point->residual.norm();
-    if (residual_decreases || (slope < 0.0 && potential_change <= kSufficientDecrease * slope)) {
-      std::swap(*point, trial_);
-      return true;
+    const double trial_size = ResidualSize(problem, trial_);
+    bool is_accepted = trial_size <= (plan.explores ? kExplosion : 1.0 - kSufficientDecrease * length) * size;
+    if (!is_accepted && !plan.explores) {
+      const double held_change = in_contact ? problem.HeldPotential(*point, trial_.velocities) - held : 0.0;
+      const Eigen::VectorXd change = trial_.velocities - point->velocities;
+      double slope = point->momentum_gradient.dot(change) + held_change;
+      if (has_pairs) slope += impulses.dot(change);
+      const double potential_change = trial_.potential - point->potential + held_change;
+      is_accepted = slope < 0.0 && potential_change <= kSufficientDecrease * slope &&
+                    (!has_pairs || PairsAreSettled(trial_) ||
+                     trial_.pairs->residuals.norm() <= 2.0 * point->pairs->residuals.norm());
     }
+    if (!is_accepted) continue;
+    std::swap(*point, trial_);
+    return true;
   }
   return false;
 }
 
-bool StepSolver::SearchInContact(const StepProblem& problem, const Eigen::VectorXd& direction, double forcing,
-                                 double first_length, StepPoint* point) {
-  Eigen::VectorXd corrected = direction;
-  {
-    const ScopedTimer timer(&jacobian_.seconds().contact);
-    if (!sweeps_.Correct(problem, hessian_, *point, forcing, &corrected)) return false;
+bool StepSolver::Sweep(const StepProblem& problem, const StepPoint& point, double forcing, StepColumns* direction) {
+  const ScopedTimer timer(&jacobian_.seconds().contact);
+  Eigen::VectorXd corrected = direction->velocities, impulse;
+  if (problem.may_touch_itself()) impulse = jacobian_.Spread(direction->impulses);
+  const Eigen::VectorXd* const other = problem.may_touch_itself() ? &impulse : nullptr;
+  if (!sweeps_.Correct(problem, hessian_, point, forcing, &corrected, other)) return false;
+  direction->velocities = corrected;
+  return true;
+}
+
+bool StepSolver::Search(const StepProblem& problem, const StepColumns& direction, const IterationPlan& plan,
+                        StepPoint* point) {
+  if (plan.is_swept) {
+    StepColumns corrected = direction;
+    if (Sweep(problem, *point, plan.forcing, &corrected) && LineSearch(problem, corrected, plan, point)) return true;
   }
-  return LineSearch(problem, corrected, first_length, point);
+  if (LineSearch(problem, direction, plan, point)) return true;
+  if (!problem.may_touch_itself() || plan.explores) return false;
+  IterationPlan exploring = plan;
+  exploring.explores = true;
+  return LineSearch(problem, direction, exploring, point);
 }
 
-bool StepSolver::FactorAtHandServes(double forcing) const {
-  return jacobian_.factor() != nullptr && !new_factor_is_due_ &&
-         -std::log10(forcing) * iterations_per_digit_ <= refactor_iterations_;
+bool StepSolver::FactorAtHandServes(const ContactSet& contacts, double forcing) const {
+  if (!jacobian_.HasFactorNear(contacts, kMostChanges)) return false;
+  if (!contacts.pairs.empty()) return true;
+  return !new_factor_is_due_ && -std::log10(forcing) * iterations_per_digit_ <= refactor_iterations_;
 }
 
-bool StepSolver::Iterate(const Task& task, double forcing, double first_length, bool is_swept, StepPoint* point) {
-  const StepProblem& problem = task.problem;
-  std::vector<Contact> contacts;
-  if (problem.may_touch()) problem.FindActiveContacts(*point, &contacts);
-  Eigen::VectorXd direction;
-  const auto search = [&] {
-    return (is_swept && SearchInContact(problem, direction, forcing, first_length, point)) ||
-           LineSearch(problem, direction, first_length, point);
-  };
-  if (FactorAtHandServes(forcing) && DirectionByFactorAtHand(task, contacts, *point, forcing, &direction) && search()) {
+bool StepSolver::Iterate(const Task& task, const IterationPlan& plan, StepPoint* point) {
+  const ContactSet contacts = task.problem.ContactsAt(*point);
+  StepColumns direction;
+  if (FactorAtHandServes(contacts, plan.forcing) &&
+      DirectionByFactorAtHand(task, contacts, *point, plan.forcing, &direction) &&
+      Search(task.problem, direction, plan, point)) {
     return true;
   }
-  return DirectionByNewFactor(task, contacts, *point, forcing, &direction) && search();
+  return DirectionByNewFactor(task, contacts, *point, plan.forcing, &direction) &&
+         Search(task.problem, direction, plan, point);
 }
 
-// The length of the first trial is halved where an iteration undoes the one before it: a cycle between branches.
 bool StepSolver::Newton(const Task& task, StepPoint* point) {
-  if (task.problem.may_touch_itself()) {
-    return pair_newton_->Solve(task.problem, task.tolerance, point, task.counts);
-  }
+  if (task.problem.may_touch_itself()) WarmStart(task.problem, point);
   StepPoint best = *point;
-  Progress progress(*point);
-  Eigen::VectorXd change, last_change;  // of the velocities
-  double first_length = 1.0, before_last = 0.0, last = 0.0;
+  const std::unique_ptr<NewtonCourse> course = MakeCourse(task.problem, *point);
   const int max_iterations = model_.scene().solver.max_newton_iterations;
   for (int iteration = 0; iteration < max_iterations && !task.IsSolvedAt(*point); ++iteration) {
     ++task.counts->newton_iterations;
-    // After a line search the trial is the point before it. Without candidates the responses are those of an earlier
-    // step.
-    const bool is_swept = task.problem.may_touch() && iteration < kSweptIterations;
-    const bool changes = is_swept && (iteration == 0 ? InContact(*point) : BranchesDiffer(*point, trial_));
-    const double forcing = ForcingTerm(*point, changes, last, task.ToleranceAt(*point));
-    const bool cycles = iteration >= 2 && point->relative_residual > kSlowProgress * before_last &&
-                        change.dot(last_change) < -kReversal * change.norm() * last_change.norm();
-    first_length = cycles ? std::max(0.5 * first_length, kShortestFirstLength) : std::min(2.0 * first_length, 1.0);
-    before_last = last;
-    last = point->relative_residual;
-    last_change.swap(change);
-    change = -point->velocities;
-    if (!Iterate(task, forcing, first_length, is_swept, point)) break;
-    change += point->velocities;
+    // After a line search the trial is the point before it.
+    // The linear systems of pairs, whose rows have other units, are not eased where rounding eases the step.
+    const double goal = task.problem.may_touch_itself() ? task.tolerance : task.ToleranceAt(*point);
+    const IterationPlan plan = course->Next(*point, trial_, goal);
+    if (!Iterate(task, plan, point)) break;
     if (point->relative_residual < best.relative_residual) best = *point;
-    if (!progress.Continues(*point)) break;
+    if (!course->Continues(*point)) break;
   }
   if (!task.IsSolvedAt(*point)) *point = best;
-  return task.IsSolvedAt(*point);
+  if (!task.IsSolvedAt(*point)) return false;
+  KeepImpulses(task.problem, *point);
+  return true;
 }
 
 // From `start`, a solution with less friction, or, for the frictionless step, from where any step starts.
 bool StepSolver::SolveWithFriction(const Task& task, double share, const StepPoint& start, StepPoint* point) {
   const StepProblem eased = task.problem.WithFriction(share);
   const Task eased_task{eased, task.tolerance, task.counts};
-  if (eased.may_touch_itself()) point->pairs = trial_.pairs;  // as many
   if (share == 0.0) {
+    SetPairs(eased, point);
     Start(eased_task, point);
   } else {
+    point->pairs = start.pairs;
     Evaluate(eased, start.velocities, point);
   }
   return Newton(eased_task, point);

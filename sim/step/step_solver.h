@@ -1,16 +1,16 @@
 // The solver of one implicit step: projected semismooth Newton with a line search, and its fallback, continuation in
 // the friction coefficients, of which the step is a continuous function (section 5.1 of the DiffCloth paper) as long as
-// it stays on one solution. Where the cloth may touch itself, Newton's method is that of pair_newton.h. See "The solver
-// of a step" in sim/README.md.
+// it stays on one solution. See "The solver of a step" in sim/README.md.
 #ifndef CLOTHID_SIM_STEP_STEP_SOLVER_H_
 #define CLOTHID_SIM_STEP_STEP_SOLVER_H_
 
 #include <Eigen/Core>
+#include <map>
 #include <memory>
 #include <vector>
 
 #include "sim/step/contact_sweeps.h"
-#include "sim/step/pair_newton.h"
+#include "sim/step/newton_course.h"
 #include "sim/step/step_counts.h"
 #include "sim/step/step_jacobian.h"
 #include "sim/step/step_problem.h"
@@ -69,8 +69,10 @@ class StepSolver {
   // Starts at `velocities` where the residual is smaller there, unless the step is solved already.
   void StartAtBetter(const Task& task, const Eigen::VectorXd& velocities, StepPoint* point);
   void StartAt(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point);
-  // At the impulses of no pair.
+  // At the impulses of no pair; at those that pairs in contact had in the step before; and keeps those of this one.
   void SetPairs(const StepProblem& problem, StepPoint* point);
+  void WarmStart(const StepProblem& problem, StepPoint* point);
+  void KeepImpulses(const StepProblem& problem, const StepPoint& point);
   // From where `point` is.
   bool SolveFrom(const Task& task, StepPoint* point);
   // A full Newton iteration from a solution, kept where it is one, too.
@@ -81,32 +83,36 @@ class StepSolver {
   bool ContinueInFriction(const Task& task, StepPoint* point);
   bool SolveWithFriction(const Task& task, double share, const StepPoint& start, StepPoint* point);
   // One iteration of Newton's method: along the direction that the factor at hand gives, or, where there is none or it
-  // leads nowhere, along that of a new factor. `forcing`: tolerance of its linear system. `is_swept`: with
-  // ContactSweeps.
-  bool Iterate(const Task& task, double forcing, double first_length, bool is_swept, StepPoint* point);
-  bool DirectionByFactorAtHand(const Task& task, const std::vector<Contact>& contacts, const StepPoint& point,
-                               double forcing, Eigen::VectorXd* direction);
-  bool DirectionByNewFactor(const Task& task, const std::vector<Contact>& contacts, const StepPoint& point,
-                            double forcing, Eigen::VectorXd* direction);
+  // leads nowhere, along that of a new factor.
+  bool Iterate(const Task& task, const IterationPlan& plan, StepPoint* point);
+  bool DirectionByFactorAtHand(const Task& task, const ContactSet& contacts, const StepPoint& point, double forcing,
+                               StepColumns* direction);
+  bool DirectionByNewFactor(const Task& task, const ContactSet& contacts, const StepPoint& point, double forcing,
+                            StepColumns* direction);
   void EndWithFactor(const Task& task, const StepPoint& point);
-  bool FactorAt(const Task& task, const std::vector<Contact>& contacts, const StepPoint& point);
-  bool SolveAt(const Task& task, const std::vector<Contact>& contacts, const Eigen::VectorXd& residual, double forcing,
-               Eigen::VectorXd* direction);
-  bool LineSearch(const StepProblem& problem, const Eigen::VectorXd& direction, double first_length, StepPoint* point);
-  // The same along `direction` as ContactSweeps corrects it; false where it does not.
-  bool SearchInContact(const StepProblem& problem, const Eigen::VectorXd& direction, double forcing,
-                       double first_length, StepPoint* point);
+  bool FactorAt(const Task& task, const ContactSet& contacts, const StepPoint& point);
+  bool SolveAt(const Task& task, const ContactSet& contacts, const StepPoint& point, double forcing,
+               StepColumns* direction);
+  bool Search(const StepProblem& problem, const StepColumns& direction, const IterationPlan& plan, StepPoint* point);
+  bool LineSearch(const StepProblem& problem, const StepColumns& direction, const IterationPlan& plan,
+                  StepPoint* point);
+  // Corrects `direction` by ContactSweeps; false: it stays as it was.
+  bool Sweep(const StepProblem& problem, const StepPoint& point, double forcing, StepColumns* direction);
+  // `trial_` at a length of `direction`.
+  void Try(const StepProblem& problem, const StepPoint& point, const StepColumns& direction, double length);
   // Whether a solve to `forcing` is likely to take less than a new factor.
-  bool FactorAtHandServes(double forcing) const;
+  bool FactorAtHandServes(const ContactSet& contacts, double forcing) const;
+  // Likewise of a derivative at the point of the last linear solve.
+  bool FactorServesDerivative() const;
 
   const ClothModel& model_;
   BlockMatrix hessian_;
   StepJacobian jacobian_;
-  double refactor_iterations_;               // a linear solve that takes more costs as much as a new factor
-  std::unique_ptr<PairNewton> pair_newton_;  // null without self-contact
-  StepPoint trial_;                          // kept for its memory
-  ContactSweeps sweeps_;                     // likewise
-  Eigen::VectorXd acceleration_;             // of the last step, over the free nodes, m/s^2; empty: none
+  double refactor_iterations_;                           // a linear solve that takes more costs as much as a new factor
+  StepPoint trial_;                                      // kept for its memory
+  ContactSweeps sweeps_;                                 // likewise
+  Eigen::VectorXd acceleration_;                         // of the last step, over the free nodes, m/s^2; empty: none
+  std::map<PairFeatures, Eigen::Vector3d> pair_forces_;  // of pairs in contact in the last step, r/h, N
   bool ends_with_factors_ = false;
   bool had_pairs_ = false;             // the last problem
   double iterations_per_digit_ = 0.0;  // of solves with the factor at hand, as far as is known

@@ -30,7 +30,7 @@ class ContactEliminationTest : public ::testing::Test {
     AddContact(2, 0, {2.0, 1.0, -1.0});
     AddContact(3, 0, {-1.0, 2.0, -0.7});
     AddContact(5, 1, {0.4, 0.1, -1.0});  // the second obstacle has no friction
-    elimination_.SetContacts(contacts_, free_index_, mu_);
+    elimination_.SetContacts(contacts_, free_index_);
     impulse_ = Eigen::MatrixXd::Zero(size(), size());
     Eigen::MatrixXd weights = impulse_;
     for (const Contact& contact : contacts_) {
@@ -59,7 +59,9 @@ class ContactEliminationTest : public ::testing::Test {
     const Eigen::Quaterniond tilt = TurnFromZ({0.3 * node, 0.5, 1.0});
     candidate.normal = tilt * Eigen::Vector3d::UnitZ();
     const Eigen::Vector3d in_world = tilt * force;
-    contacts_.push_back({candidate, EvaluateContactLaw(in_world, candidate.normal, mu_[obstacle]), in_world, 0.4});
+    const double mu = mu_[obstacle];
+    contacts_.push_back(
+        {candidate, EvaluateContactLaw(in_world, candidate.normal, mu), in_world, 0.4, {0.0, 0.0, 0.0}, mu});
   }
 
   // The matrix of a map of columns in place.

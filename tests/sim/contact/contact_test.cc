@@ -125,7 +125,7 @@ TEST_F(ContactTest, PositionJacobianIsTheDerivativeThroughNormalAndGap) {
     const auto contact_at = [&](const Eigen::Vector3d& position) {
       const ContactCandidate candidate = At(position);
       const Eigen::Vector3d force = push + kWeight * candidate.gap_speed * candidate.normal;
-      return Contact{candidate, EvaluateContactLaw(force, candidate.normal, kMu), force, kWeight};
+      return Contact{candidate, EvaluateContactLaw(force, candidate.normal, kMu), force, kWeight, {0.0, 0.0, 0.0}, kMu};
     };
     const Contact contact = contact_at(x), plus = contact_at(x + kStep * direction),
                   minus = contact_at(x - kStep * direction);
@@ -133,7 +133,7 @@ TEST_F(ContactTest, PositionJacobianIsTheDerivativeThroughNormalAndGap) {
     if (contact.response.branch == ContactBranch::kTakeOff) continue;
     ++(contact.response.branch == ContactBranch::kSlip ? num_slip : num_stick);
     const Eigen::Vector3d difference = (minus.response.impulse - plus.response.impulse) / (2.0 * kStep);
-    const Eigen::Vector3d derivative = ContactPositionJacobian(contact, kMu) * direction;
+    const Eigen::Vector3d derivative = ContactPositionJacobian(contact) * direction;
     EXPECT_LT((difference - derivative).norm(), 2e-6 * (1.0 + derivative.norm())) << i;
   }
   EXPECT_GT(num_slip, 50);

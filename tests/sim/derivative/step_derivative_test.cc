@@ -73,7 +73,7 @@ class StepDerivativeTest : public ::testing::Test {
                               &simulator_.step_workspace());
     StepPoint point;
     problem.Evaluate(velocities, &point);
-    const std::vector<ContactRecord> contacts = RecordContacts(problem.ActiveContacts(point));
+    const std::vector<ContactRecord> contacts = RecordContacts(problem.ContactsAt(point).nodes);
     EXPECT_TRUE(std::equal(
         contacts.begin(), contacts.end(), record_.contacts.begin(), record_.contacts.end(),
         [](const ContactRecord& a, const ContactRecord& b) { return a.node == b.node && a.branch == b.branch; }));
@@ -106,9 +106,9 @@ class StepDerivativeTest : public ::testing::Test {
 
 TEST_F(StepDerivativeTest, TheJacobianIsTheDerivativeByTheVelocity) {
   const Eigen::VectorXd right = Random();
-  Eigen::MatrixXd dv;
-  ASSERT_TRUE(derivative_->jacobian().Solve(right, 1e-12, &dv));
-  const Eigen::VectorXd direction = dv.col(0);
+  StepColumns dv;
+  ASSERT_TRUE(derivative_->jacobian().Solve({right}, 1e-12, &dv));
+  const Eigen::VectorXd direction = dv.velocities.col(0);
   ExpectNear(Difference(1e-6 / direction.norm(),
                         [&](double s) { return Residual(solution_ + s * direction, x_, v_, parameters_); }),
              right);

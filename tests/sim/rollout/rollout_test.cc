@@ -41,7 +41,7 @@ TEST_P(StoredContactsTest, BringBackThoseOfTheSolver) {
     const StepProblem problem(simulator.model(), rollout.parameters, start, record.times(),
                               &simulator.step_workspace());
     problem.Evaluate(simulator.model().Gather(record.velocities), &point);
-    const std::vector<Contact> solved = problem.ActiveContacts(point);
+    const std::vector<Contact> solved = problem.ContactsAt(point).nodes;
     const std::vector<Contact> restored =
         RestoreContacts(simulator.model(), rollout.parameters, start.positions, record.times(), {}, record.contacts);
     ASSERT_EQ(restored.size(), solved.size());

@@ -111,18 +111,18 @@ TEST_F(StepProblemTest, WorkspaceLeavesNoTrace) {
 TEST_F(StepProblemTest, SecondStepAllocatesNothing) {
   const Eigen::VectorXd velocities = simulator_.model().Gather(v_);
   BlockMatrix hessian(simulator_.model().pattern());
-  std::vector<Contact> contacts;
+  ContactSet contacts;
   StepPoint point;
   const auto step = [&] {
     const StepProblem problem = Problem(0.01, &simulator_.step_workspace());
     problem.Evaluate(velocities, &point);
     problem.AssembleHessian(HessianKind::kExact, point, &hessian);
-    problem.FindActiveContacts(point, &contacts);
+    problem.FindClosedContacts(point, &contacts);
   };
   const int before = num_allocations;
   step();
   EXPECT_GT(num_allocations, before);
-  EXPECT_FALSE(contacts.empty());
+  EXPECT_FALSE(contacts.nodes.empty());
   const int after_first = num_allocations;
   step();
   EXPECT_EQ(num_allocations, after_first);

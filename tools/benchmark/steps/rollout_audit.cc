@@ -106,11 +106,13 @@ void AuditRecord(const StepRecord& record, const SolveStart& start, const Parame
                   velocities, &simulator->step_workspace(), &point);
   }
   problem.Evaluate(velocities, &point);
+  ContactSet closed;
+  problem.FindClosedContacts(point, &closed);
   const double tolerance = StepSolver::Tolerance(problem, model.scene().solver.step_tolerance, point);
   const double off = (point.positions - record.positions).lpNorm<Eigen::Infinity>();
   audit->inconsistent += !(off <= Rounding(record.positions)) || !are_known ||
-                         !SameContacts(RecordContacts(problem.ActiveContacts(point)), record.contacts) ||
-                         !SamePairs(RecordPairs(problem.ActivePairs(point)), record.pairs);
+                         !SameContacts(RecordContacts(closed.nodes), record.contacts) ||
+                         !SamePairs(RecordPairs(closed.pairs), record.pairs);
   audit->unsolved += !(point.relative_residual <= tolerance);
   audit->worst_residual = std::max(audit->worst_residual, point.relative_residual / tolerance);
   audit->loosest_tolerance = std::max(audit->loosest_tolerance, tolerance);

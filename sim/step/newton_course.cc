@@ -1,0 +1,160 @@
+#include "sim/step/newton_course.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace clothid {
+namespace {
+
+constexpr double kLargestForcing = 0.1;    // tolerance of the linear system of a Newton iteration, ...
+constexpr double kForcingInContact = 0.3;  // ... where contacts are likely to change on the way, ...
+constexpr double kForcing = 0.9;           // ... its share of the square of the last reduction of the residual, ...
+constexpr double kGoalShare = 0.3;         // ... and at least so much of the reduction that is left to do
+constexpr double kSlowProgress = 0.9;      // a residual above this share of the one before last: a cycle
+constexpr double kReversal = 0.25;         // an iteration this far against the one before, as a cosine: likewise
+constexpr double kShortestFirstLength = 0.125;
+constexpr int kSweptIterations = 8;  // after these many a step is hard for other reasons than its contacts
+constexpr int kPatience = 30;        // iterations without progress before Newton's method gives up
+constexpr double kProgress = 0.8;    // a residual below this share of the lowest one is progress
+
+constexpr int kSweptPairIterations = 6;      // while pairs change, ...
+constexpr int kSweptSettled = 8;             // ... and so many once they are settled
+constexpr double kSettledShare = 0.1;        // of |Phi|, below which |R| is small
+constexpr int kIdleIterations = 3;           // without progress: a cycle of branches, which shorter steps leave, ...
+constexpr double kShortestPairLength = 0.2;  // ... from a half to about this
+constexpr double kProgressOfSize = 0.95;     // of the lowest one: progress
+constexpr int kMostPairIterations = 60;      // more of them seldom end: a shorter step does
+constexpr double kPairForcing = 1e-4;        // tolerance of the linear system, ...
+constexpr double kPairGoalShare = 0.1;       // ... not below this share of what is left to do, ...
+constexpr double kPairLoosest = 1e-2;        // ... and never above
+
+bool InContact(const StepPoint& point) {
+  return std::any_of(point.responses.begin(), point.responses.end(),
+                     [](const ContactResponse& response) { return response.branch != ContactBranch::kTakeOff; });
+}
+
+bool BranchesDiffer(const std::vector<ContactResponse>& a, const std::vector<ContactResponse>& b) {
+  return !std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                     [](const auto& r, const auto& s) { return r.branch == s.branch; });
+}
+
+// Whether Newton's method gets on. In a stiff cloth the residual stays where it is for dozens of iterations, set by
+// elastic forces far larger than those of the solution, while the potential falls; in a cycle neither does.
+class Progress {
+ public:
+  explicit Progress(const StepPoint& start) : residual_(start.relative_residual), potential_(start.potential) {}
+
+  bool Continues(const StepPoint& point) {
+    const bool gets_on = point.relative_residual < kProgress * residual_ || point.potential < potential_;
+    if (point.relative_residual < kProgress * residual_) residual_ = point.relative_residual;
+    potential_ = std::min(potential_, point.potential);
+    idle_ = gets_on ? 0 : idle_ + 1;
+    return idle_ < kPatience;
+  }
+
+ private:
+  double residual_, potential_;  // the lowest, for progress
+  int idle_ = 0;                 // iterations
+};
+
+// Of a cloth that touches obstacles alone.
+class ObstacleCourse : public NewtonCourse {
+ public:
+  ObstacleCourse(const StepProblem& problem, const StepPoint& start) : problem_(problem), progress_(start) {}
+
+  IterationPlan Next(const StepPoint& point, const StepPoint& before, double goal) override {
+    IterationPlan plan;
+    // Without candidates the responses are those of an earlier step.
+    plan.is_swept = problem_.may_touch() && iteration_ < kSweptIterations;
+    const bool changes =
+        plan.is_swept && (iteration_ == 0 ? InContact(point) : BranchesDiffer(point.responses, before.responses));
+    plan.forcing = Forcing(point, changes, goal);
+    const bool cycles = iteration_ >= 2 && point.relative_residual > kSlowProgress * before_last_ &&
+                        change_.dot(last_change_) < -kReversal * change_.norm() * last_change_.norm();
+    first_length_ = cycles ? std::max(0.5 * first_length_, kShortestFirstLength) : std::min(2.0 * first_length_, 1.0);
+    plan.first_length = first_length_;
+    before_last_ = last_;
+    last_ = point.relative_residual;
+    last_change_.swap(change_);
+    change_ = -point.velocities;
+    ++iteration_;
+    return plan;
+  }
+
+  bool Continues(const StepPoint& point) override {
+    change_ += point.velocities;
+    return progress_.Continues(point);
+  }
+
+ private:
+  // The tolerance of the linear system at `point`: the forcing term of Eisenstat and Walker 1996, choice 2, but no more
+  // accurate than a residual below `goal` needs.
+  double Forcing(const StepPoint& point, bool changes, double goal) const {
+    const double residual = point.relative_residual, ratio = last_ > 0.0 ? residual / last_ : 1.0;
+    const double largest = changes ? kForcingInContact : kLargestForcing;
+    return std::max(std::min(largest, kForcing * ratio * ratio), kGoalShare * goal / residual);
+  }
+
+  const StepProblem& problem_;
+  Progress progress_;
+  int iteration_ = 0;
+  Eigen::VectorXd change_, last_change_;  // of the velocities
+  double first_length_ = 1.0;
+  double before_last_ = 0.0, last_ = 0.0;  // relative residuals before the last iterations; 0: none
+};
+
+// Of a cloth that may touch itself.
+class PairCourse : public NewtonCourse {
+ public:
+  explicit PairCourse(const StepProblem& problem) : problem_(problem) {}
+
+  IterationPlan Next(const StepPoint& point, const StepPoint& before, double goal) override {
+    const double size = ResidualSize(problem_, point);
+    idle_ = size < kProgressOfSize * best_ ? 0 : idle_ + 1;
+    best_ = std::min(best_, size);
+    if (idle_ == 0) length_ = std::min(1.0, 2.0 * length_);
+    if (idle_ > 0 && idle_ % kIdleIterations == 0) length_ = length_ > kShortestPairLength ? 0.5 * length_ : 1.0;
+    const bool is_settled =
+        iteration_ > 0 && PairsAreSettled(point) && !BranchesDiffer(point.pairs->responses, before.pairs->responses);
+    num_settled_ += is_settled ? 1 : 0;
+    IterationPlan plan;
+    plan.explores = !is_settled;
+    plan.is_swept =
+        problem_.may_touch() && (is_settled ? num_settled_ <= kSweptSettled : iteration_ < kSweptPairIterations);
+    plan.first_length = length_;
+    plan.forcing = std::min(std::max(kPairForcing, kPairGoalShare * goal / point.relative_residual), kPairLoosest);
+    ++iteration_;
+    return plan;
+  }
+
+  bool Continues(const StepPoint&) override { return iteration_ < kMostPairIterations; }
+
+ private:
+  const StepProblem& problem_;
+  int iteration_ = 0, num_settled_ = 0;
+  int idle_ = 0;  // iterations
+  double length_ = 1.0, best_ = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace
+
+double ResidualSize(const StepProblem& problem, const StepPoint& point) {
+  if (!problem.may_touch_itself()) return point.residual.norm();
+  double square = problem.WeighedSquare(point.residual);
+  for (std::size_t c = 0; c < problem.pairs().size(); ++c) {
+    square += point.pairs->residuals.col(static_cast<Eigen::Index>(c)).squaredNorm() / problem.pairs()[c].weight;
+  }
+  return std::sqrt(square);
+}
+
+bool PairsAreSettled(const StepPoint& point) {
+  return point.pairs->residuals.norm() <= kSettledShare * point.residual.norm();
+}
+
+std::unique_ptr<NewtonCourse> MakeCourse(const StepProblem& problem, const StepPoint& start) {
+  if (problem.may_touch_itself()) return std::make_unique<PairCourse>(problem);
+  return std::make_unique<ObstacleCourse>(problem, start);
+}
+
+}  // namespace clothid
