@@ -30,10 +30,11 @@ inline constexpr char kForwardHelp[] =
 its floating-point operations at the speed of dgemm, the growth with the number of nodes, and the memory of a rollout
 per node and step. Processor time.
 
-  --scene LIST      of wind, slope, sphere (wind,slope)
+  --scene LIST      of wind, slope, sphere, fold, fold_through: the same
+                    without contact of the cloth with itself (wind,slope)
   --integrator LIST of euler, sdirk2 (both)
   --nodes LIST      along both axes (12,24,48)
-  --steps N         steps of a rollout (100)
+  --steps N         steps of a rollout; all of a fold are 240 (100)
   --repeats N       repetitions, of which the table gives medians (3)
   --output DIR      forward.csv, one row per scene, size and integrator
 )";

@@ -47,6 +47,23 @@ TEST_F(ForwardTest, CountsStepsWorkAndMemory) {
   EXPECT_GE(benchmark.cases[7].bytes, 2.0 * (48.0 + sizeof(ContactRecord)));
 }
 
+// Until the layers have met.
+TEST_F(ForwardTest, AFoldTouchesItselfUnlessItPassesThrough) {
+  ForwardBenchmarkOptions options;
+  options.scenes = {"fold", "fold_through"};
+  options.nodes = {9};
+  options.integrators = {"euler"};
+  options.num_steps = 135;
+  options.repeats = 1;
+  const ForwardBenchmark benchmark = RunForwardBenchmark(options);
+  ASSERT_EQ(benchmark.cases.size(), 2u);
+  for (const ForwardCase& result : benchmark.cases) {
+    EXPECT_EQ(result.counts.failed_steps, 0);
+    EXPECT_GT(result.counts.contacts, 0);
+    EXPECT_EQ(result.counts.self_contacts > 0, result.scene == "fold");
+  }
+}
+
 TEST_F(ForwardTest, AnIterationDoesNotDependOnHowOftenItFactorises) {
   ForwardCase result;
   result.counts.steps = 10;

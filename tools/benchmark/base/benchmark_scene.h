@@ -6,6 +6,11 @@
 //   slope   1 x 1 m, 0.2 kg/m^2, on a plane inclined by 42.3 degrees with mu = 0.5: every node slips
 //   sphere  1 x 1 m, 0.2 kg/m^2, k_b = 1e-3 N m, dropped on a sphere of radius 0.3 m with mu = 0.4: nodes join, stick,
 //           slip
+//   fold    0.3 x 0.3 m, 0.2 kg/m^2, k_b = 2e-5 N m, drag and damping 0.05, on a table with mu = 0.5; a gripper takes
+//   an
+//           edge over to the other half within 0.6 s, puts it down and drags it to and fro until 1.2 s. mu.self = 0.3,
+//           thickness 3 mm
+//   fold_through  the same cloth without contact with itself: the layers pass through each other
 #ifndef CLOTHID_TOOLS_BENCHMARK_BASE_BENCHMARK_SCENE_H_
 #define CLOTHID_TOOLS_BENCHMARK_BASE_BENCHMARK_SCENE_H_
 
@@ -18,6 +23,8 @@
 namespace clothid {
 
 inline const std::vector<std::string> kBenchmarkScenes = {"wind", "slope", "sphere"};
+// Of the benchmark of steps besides.
+inline const std::vector<std::string> kForwardScenes = {"wind", "slope", "sphere", "fold", "fold_through"};
 
 // Scene `name` with nodes x nodes nodes, gravity along -z, lengths in m. Throws `Error` (kUsage), naming --scene or
 // --nodes, for an unknown name and fewer than 2 nodes.

@@ -1,8 +1,9 @@
 // benchmark forward: what a step of the forward simulation costs, with either integrator, and where its time goes.
 //
 // The scenes of tools/benchmark/base/benchmark_scene.h at a relative residual of 1e-8: wind with k = 100 N/m and h =
-// 1/90 s, slope with k = 50 N/m and h = 1/100 s, sphere with k = 100 N/m and h = 1/100 s. All scenes and sizes take
-// turns, `repeats` times; times are medians over the repeats, in processor time of one thread.
+// 1/90 s, slope with k = 50 N/m and h = 1/100 s, sphere with k = 100 N/m and h = 1/100 s, both folds with k = 60 N/m
+// and h = 1/200 s. All scenes and sizes take turns, `repeats` times; times are medians over the repeats, in processor
+// time of one thread.
 //
 // A phase has the share of the processor time of a step that it has, in the median, of the wall time. What a
 // factorisation must cost at the least: its floating-point operations, without those on zeros that a supernodal factor
