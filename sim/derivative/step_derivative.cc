@@ -40,14 +40,11 @@ StepDerivative::StepDerivative(const StepRecord& record, const SolveStart& start
     const double drag = nodes.drag(material, model_.free_nodes()[i]);
     damped_masses_.segment<3>(3 * i) = masses_.segment<3>(3 * i).array() + record.time_step * drag;
   }
+  if (!record.contacts.empty()) motions_ = ObstacleMotions(model_.scene(), parameters, record.times());
+  contacts_ = RestoreContacts(record, start.positions, motions_, parameters, model_);
   if (!record.pairs.empty()) {
-    contacts_.pairs =
-        RestorePairs(model_, parameters, start.positions, record.velocities, record.times(), record.pairs);
     pairs_ = std::make_unique<PairDerivative>(model_, contacts_.pairs, start.positions, record.velocities);
   }
-  if (record.contacts.empty()) return;
-  motions_ = ObstacleMotions(model_.scene(), parameters, record.times());
-  contacts_.nodes = RestoreContacts(model_, parameters, start.positions, record.times(), motions_, record.contacts);
   if (motions_.empty()) return;
   for (const Contact& contact : contacts_.nodes) {
     const Eigen::Vector3d place = start.positions.segment<3>(3 * contact.candidate.node);

@@ -3,57 +3,60 @@
 #include <algorithm>
 #include <vector>
 
+#include "sim/contact/contact_set.h"
 #include "sim/contact/impact_share.h"
 #include "sim/contact/pair_impact.h"
 #include "sim/rollout/energy_loss.h"
 #include "sim/rollout/simulator.h"
+#include "sim/step/obstacle_motions.h"
 #include "sim/step/second_start.h"
-#include "sim/step/step_problem.h"
 
 namespace clothid {
 namespace {
 
-void AddObstacles(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
-                  const Simulator& simulator, ContactWork* work) {
-  if (record.contacts.empty()) return;
-  const ClothModel& model = simulator.model();
-  const std::vector<ObstacleMotion> motions = ObstacleMotions(model.scene(), parameters, record.times());
-  for (const Contact& contact :
-       RestoreContacts(model, parameters, start.positions, record.times(), motions, record.contacts)) {
-    const int row = 3 * contact.candidate.node;
-    Eigen::Vector3d impulse = contact.response.impulse;
-    if (record.stage == Stage::kFirst) {
-      const double mass = model.mass(parameters.material, contact.candidate.node);
-      const Eigen::Vector3d change = record.velocities.segment<3>(row) - start.velocities.segment<3>(row);
-      impulse -= mass * ImpactVelocity(contact, mass, change);
-    }
-    impulse *= SolveWeight(record);
-    const Eigen::Vector3d place = start.positions.segment<3>(row);
-    const Eigen::Vector3d carried = motions.empty()
-                                        ? Eigen::Vector3d(Eigen::Vector3d::Zero())
-                                        : motions[contact.candidate.obstacle].Near(place).velocity().At(place);
-    work->work += impulse.dot(carried);
-    work->friction -= impulse.dot(record.velocities.segment<3>(row) - carried);
+void AddNode(const Contact& contact, const StepRecord& record, const SolveStart& start,
+             const std::vector<ObstacleMotion>& motions, double mass, ContactWork* work) {
+  const int row = 3 * contact.candidate.node;
+  Eigen::Vector3d impulse = contact.response.impulse;
+  if (record.stage == Stage::kFirst) {
+    const Eigen::Vector3d change = record.velocities.segment<3>(row) - start.velocities.segment<3>(row);
+    impulse -= mass * ImpactVelocity(contact, mass, change);
   }
+  impulse *= SolveWeight(record);
+  const Eigen::Vector3d place = start.positions.segment<3>(row);
+  const Eigen::Vector3d carried = motions.empty()
+                                      ? Eigen::Vector3d(Eigen::Vector3d::Zero())
+                                      : motions[contact.candidate.obstacle].Near(place).velocity().At(place);
+  work->work += impulse.dot(carried);
+  work->friction -= impulse.dot(record.velocities.segment<3>(row) - carried);
 }
 
-void AddPairs(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
+void AddPair(const PairContact& contact, const StepRecord& record, const PairImpactNodes& nodes,
+             const Eigen::VectorXd& velocities, ContactWork* work) {
+  const PairCandidate& pair = contact.candidate;
+  Eigen::Vector3d impulse = SolveWeight(record) * contact.response.impulse;
+  if (record.stage == Stage::kFirst) impulse *= 1.0 - EvaluatePairImpact(contact, nodes).share;
+  const Eigen::Vector3d relative = pair.RelativeVelocity(velocities);
+  const Eigen::Vector3d& normal = pair.geometry.normal;
+  work->work -= impulse.dot(pair.held_velocity);
+  work->friction -= impulse.dot(relative);
+  work->push += std::max(0.0, normal.dot(impulse) * normal.dot(relative));
+}
+
+void AddSolve(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
               const Simulator& simulator, ContactWork* work) {
+  if (record.contacts.empty() && record.pairs.empty()) return;
   const ClothModel& model = simulator.model();
+  const std::vector<ObstacleMotion> motions = ObstacleMotions(model.scene(), parameters, record.times());
+  const ContactSet contacts = RestoreContacts(record, start.positions, motions, parameters, model);
+  for (const Contact& contact : contacts.nodes) {
+    AddNode(contact, record, start, motions, model.mass(parameters.material, contact.candidate.node), work);
+  }
   const Eigen::VectorXd velocities = model.Gather(record.velocities);
-  for (const PairContact& contact :
-       RestorePairs(model, parameters, start.positions, record.velocities, record.times(), record.pairs)) {
-    const PairCandidate& pair = contact.candidate;
-    Eigen::Vector3d impulse = SolveWeight(record) * contact.response.impulse;
-    if (record.stage == Stage::kFirst) {
-      const PairImpactNodes nodes = ImpactNodes(model, parameters.material, pair, start.velocities, record.velocities);
-      impulse *= 1.0 - EvaluatePairImpact(contact, nodes).share;
-    }
-    const Eigen::Vector3d relative = pair.RelativeVelocity(velocities);
-    const Eigen::Vector3d& normal = pair.geometry.normal;
-    work->work -= impulse.dot(pair.held_velocity);
-    work->friction -= impulse.dot(relative);
-    work->push += std::max(0.0, normal.dot(impulse) * normal.dot(relative));
+  for (const PairContact& contact : contacts.pairs) {
+    const PairImpactNodes nodes =
+        ImpactNodes(model, parameters.material, contact.candidate, start.velocities, record.velocities);
+    AddPair(contact, record, nodes, velocities, work);
   }
 }
 
@@ -67,18 +70,9 @@ ContactWork& ContactWork::operator+=(const ContactWork& other) {
 }
 
 ContactWork StepContactWork(const Rollout& rollout, int last, RecordReader* reader, const Simulator& simulator) {
-  ContactWork work = StepPairWork(rollout, last, reader, simulator);
-  for (int i = FirstOfStep(rollout, last); i <= last; ++i) {
-    AddObstacles(reader->record(i), reader->start(i), rollout.parameters, simulator, &work);
-  }
-  return work;
-}
-
-ContactWork StepPairWork(const Rollout& rollout, int last, RecordReader* reader, const Simulator& simulator) {
   ContactWork work;
   for (int i = FirstOfStep(rollout, last); i <= last; ++i) {
-    const StepRecord& record = reader->record(i);
-    if (!record.pairs.empty()) AddPairs(record, reader->start(i), rollout.parameters, simulator, &work);
+    AddSolve(reader->record(i), reader->start(i), rollout.parameters, simulator, &work);
   }
   return work;
 }

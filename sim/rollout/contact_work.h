@@ -30,9 +30,6 @@ struct ContactWork {
 // Of the step or substep that ends in record `last` of `rollout`, which `reader` reads.
 ContactWork StepContactWork(const Rollout& rollout, int last, RecordReader* reader, const Simulator& simulator);
 
-// Of the pairs of the cloth with itself alone.
-ContactWork StepPairWork(const Rollout& rollout, int last, RecordReader* reader, const Simulator& simulator);
-
 }  // namespace clothid
 
 #endif  // CLOTHID_SIM_ROLLOUT_CONTACT_WORK_H_

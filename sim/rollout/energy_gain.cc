@@ -30,7 +30,7 @@ EnergyGain FindEnergyGain(const Rollout& rollout, Simulator* simulator) {
   for (int i = 0; i < static_cast<int>(rollout.records.size()); ++i) {
     if (!rollout.records[static_cast<std::size_t>(i)].ends_step()) continue;
     sum -= StepEnergyLoss(rollout, i, &reader, *simulator).total();
-    if (simulator->scene().self_contact) push += StepPairWork(rollout, i, &reader, *simulator).push;
+    if (simulator->scene().self_contact) push += StepContactWork(rollout, i, &reader, *simulator).push;
     const StepRecord& record = reader.record(i);
     const EnergyParts end =
         StateEnergy(rollout.parameters, record.positions, record.velocities, *simulator, record.time);

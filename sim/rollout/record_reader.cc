@@ -44,10 +44,8 @@ SolveStart RecordReader::start(int i) {
     const ClothModel& model = simulator_->model();
     second_start_ = StartSecondStage(
         model, rollout_.parameters.material, step_start, first.positions, first.velocities, first.time_step,
-        ContactSet{RestoreContacts(model, rollout_.parameters, step_start.positions, first.times(),
-                                   ObstacleMotions(model.scene(), rollout_.parameters, first.times()), first.contacts),
-                   RestorePairs(model, rollout_.parameters, step_start.positions, first.velocities, first.times(),
-                                first.pairs)});
+        RestoreContacts(first, step_start.positions, ObstacleMotions(model.scene(), rollout_.parameters, first.times()),
+                        rollout_.parameters, model));
     second_record_ = i;
   }
   return {second_start_.positions, second_start_.velocities, &step_start.positions, &first.positions};

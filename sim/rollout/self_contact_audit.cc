@@ -67,7 +67,7 @@ SelfContactAudit AuditSelfContact(const Rollout& rollout, Simulator* simulator) 
     for (int i = first; i <= last; ++i) {
       const StepRecord& record = reader.record(i);
       is_dependent = is_dependent || HasDependentPair(record);
-      if (record.ends_step()) push += StepPairWork(rollout, i, &reader, *simulator).push;
+      if (record.ends_step()) push += StepContactWork(rollout, i, &reader, *simulator).push;
     }
     dependent_steps += is_dependent;
     auditor.Add(reader.record(last).positions);

@@ -2,7 +2,17 @@
 
 #include <cstdio>
 
+#include "sim/contact/contact_set.h"
+#include "sim/step/step_problem.h"
+
 namespace clothid {
+
+ContactSet RestoreContacts(const StepRecord& record, const Eigen::VectorXd& start_positions,
+                           const std::vector<ObstacleMotion>& motions, const Parameters& parameters,
+                           const ClothModel& model) {
+  return {RestoreContacts(model, parameters, start_positions, record.times(), motions, record.contacts),
+          RestorePairs(model, parameters, start_positions, record.velocities, record.times(), record.pairs)};
+}
 
 std::string StepFailure::ToString() const {
   const std::string what = "step " + std::to_string(step) + " " + reason;

@@ -9,10 +9,13 @@
 
 #include "sim/contact/contact.h"
 #include "sim/contact/self_contact.h"
+#include "sim/scene/parameters.h"
 #include "sim/step/stage.h"
 
 namespace clothid {
 
+class ClothModel;
+struct ContactSet;      // sim/contact/contact_set.h
 struct CorrectedState;  // sim/rollout/correction.h
 struct ReducedFactor;   // sim/step/step_jacobian.h
 
@@ -37,6 +40,12 @@ struct StepRecord {
   bool ends_step() const { return stage != Stage::kFirst; }  // or a substep
   bool is_kept() const { return positions.size() > 0; }
 };
+
+// The contacts at the end of `record`, of a solve from `start_positions` x_n [3N] over which obstacles have `motions`:
+// the numbers of its solver to the last bit.
+ContactSet RestoreContacts(const StepRecord& record, const Eigen::VectorXd& start_positions,
+                           const std::vector<ObstacleMotion>& motions, const Parameters& parameters,
+                           const ClothModel& model);
 
 // Why and where a rollout ended early.
 struct StepFailure {

@@ -14,6 +14,7 @@
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/segment.h"
 #include "sim/rollout/simulator.h"
+#include "tests/sim/self_contact_scenes.h"
 #include "tests/sim/shipped_scenes.h"
 
 namespace clothid::record_reader_test {
@@ -143,6 +144,43 @@ TEST_P(CheckpointTest, AnotherSimulatorIsNoticed) {
   simulator_ = Simulator(other);
   EXPECT_THROW(Gradient(rollout_), std::runtime_error);
 }
+
+// A cloth that slides on itself: what its pairs have left for the next step is forgotten at a checkpoint, too.
+class PairCheckpointTest : public testing::TestWithParam<Integrator> {};
+
+TEST_P(PairCheckpointTest, StepsAndGradientAreThoseOfAllStepsToTheLastBit) {
+  Scene scene = LayersOnASlope(2, 0.44, 0.3, GetParam(), 0.005);
+  for (int node = static_cast<int>(scene.handles.nodes.size()); node < scene.mesh.num_nodes(); ++node) {
+    scene.initial_positions[3 * node + 2] += 0.001;
+    scene.initial_velocities[3 * node] = 0.05;
+  }
+  Simulator simulator(scene);
+  constexpr int kNumSteps = 17, kEvery = 5;
+  std::vector<Eigen::VectorXd> visited;
+  RolloutOptions options;
+  options.checkpoint_interval = kEvery;
+  options.visitor = [&](int, const Eigen::VectorXd& positions) { visited.push_back(positions); };
+  const Parameters parameters = scene.nominal_parameters();
+  const Rollout rollout = Simulate(parameters, kNumSteps, &simulator, nullptr, options);
+  ASSERT_TRUE(rollout.ok()) << rollout.failure->ToString();
+  ASSERT_GT(rollout.counts.self_contacts, 100);
+  RecordReader reader(rollout, &simulator);
+  for (int step = kNumSteps; step > 0; --step) {
+    EXPECT_EQ(reader.record(rollout.last_record[step - 1]).positions, visited[step]) << "step " << step;
+  }
+  const auto seed = [&](int step, Eigen::MatrixXd* gradient) { gradient->col(0) += visited[step]; };
+  const std::vector<ParameterId> ids = {{ParameterKind::kSelfFriction}, {ParameterKind::kStretchStiffness}};
+  const Rollout plain = Simulate(parameters, kNumSteps, &simulator);
+  const RolloutGradient expected = PullBack(plain, ids, 1, seed, &simulator),
+                        actual = PullBack(rollout, ids, 1, seed, &simulator);
+  EXPECT_LE((actual.parameters - expected.parameters).norm(), 1e-5 * expected.parameters.norm());
+  for (int step = 0; step <= kNumSteps; ++step) {
+    EXPECT_LE((plain.positions(step) - visited[step]).norm(), 1e-7 * ClothSize(scene.mesh)) << "step " << step;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Integrators, PairCheckpointTest, testing::Values(Integrator::kEuler, Integrator::kSdirk2),
+                         [](const auto& test) { return IntegratorName(test.param); });
 
 INSTANTIATE_TEST_SUITE_P(Scenes, WholeStepsTest,
                          testing::Values(std::tuple(false, Integrator::kEuler),
