@@ -80,9 +80,14 @@ void ContactElimination::Reduce(const BlockMatrix& matrix, Eigen::VectorXd* valu
     for (int k = 0; k < pattern.num_rows(node.block); ++k) {
       const int row = pattern.rows_begin(node.block)[k];
       BlockMatrix::Block column_block = at(pattern.Position(node.block, k));
+      BlockMatrix::Block row_block = at(pattern.Find(node.block, row));
+      if (node.branch == ContactBranch::kStick) {
+        column_block.setZero();
+        row_block.setZero();
+        continue;
+      }
       column_block = (column_block * node.frame).eval();
       column_block.leftCols(eliminated).setZero();
-      BlockMatrix::Block row_block = at(pattern.Find(node.block, row));
       row_block = (node.frame.transpose() * row_block).eval();
       row_block.topRows(eliminated).setZero();
     }

@@ -71,11 +71,11 @@ Eigen::MatrixXd StepDerivative::TimesMass(const Eigen::MatrixXd& columns) const 
 }
 
 Eigen::MatrixXd StepDerivative::TimesVelocity(const Eigen::MatrixXd& columns) const {
-  return MultiplySymmetric(hessian_, columns);
+  return MultiplySymmetric(hessian_, columns, jacobian_.team());
 }
 
 Eigen::MatrixXd StepDerivative::TimesHessian(const Eigen::MatrixXd& columns) const {
-  Eigen::MatrixXd product = MultiplySymmetric(hessian_, columns);
+  Eigen::MatrixXd product = MultiplySymmetric(hessian_, columns, jacobian_.team());
   product -= damped_masses_.asDiagonal() * columns;
   if (forces_.needs_velocities()) {
     Eigen::MatrixXd drag = Eigen::MatrixXd::Zero(3 * model_.num_nodes(), columns.cols());
