@@ -17,6 +17,7 @@
 #include "identify/export/export.h"
 #include "identify/fit/fit.h"
 #include "identify/landscape/fit_landscape.h"
+#include "identify/prediction/force_match.h"
 #include "identify/prediction/judge_bands.h"
 #include "identify/prediction/posterior.h"
 #include "identify/problem/problem.h"
@@ -260,12 +261,31 @@ class Run {
     checks_.uncorrected_error = PredictUncorrected(inputs_.fitted, *problem_, &summary_);
     checks_.lead_times = PredictAhead(inputs_.fitted, *problem_, summary_, fit_options_.loss);
     checks_.corrections = CheckCorrections(inputs_.fitted, *problem_, summary_, fit_options_.loss);
+    if (summary_.uncertainty && !fit_options_.is_cancelled()) MatchMissingForces();
     if (checks_.holdout && summary_.uncertainty && options_.holdout_draws > 0) JudgeBands();
     if (!single_fits_.empty()) checks_.repetitions = Pool(single_fits_, SharedParameters(summary_));
     if (fit_options_.is_cancelled()) {
       summary_.status = FitStatus::kInterrupted;
       summary_.message = kInterruptedMessage;
     }
+  }
+
+  void MatchMissingForces() {
+    ForceMatchOptions options;
+    options.seed = fit_options_.seed;
+    options.num_threads = fit_options_.num_threads;
+    options.cancel = fit_options_.cancel;
+    const std::optional<LastingForce> told = MeanForce(checks_.corrections);
+    const auto match = [&](const std::vector<RecordedMotion>& motions) {
+      return MatchForces(motions, problem_->blocks(), summary_.values(), FittedStarts(), told, options);
+    };
+    if (!summary_.fields) {
+      checks_.missing_forces = match(inputs_.fitted);
+      return;
+    }
+    std::vector<RecordedMotion> with_fields = inputs_.fitted;
+    SetFittedFields(&with_fields);
+    checks_.missing_forces = match(with_fields);
   }
 
   void JudgeBands() {
@@ -276,7 +296,7 @@ class Run {
     options.calibrates = options_.calibrates_bands;
     options.cancel = fit_options_.cancel;
     checks_.held_bands = JudgeByBands(inputs_.held_out, problem_->blocks(), summary_.values(),
-                                      PosteriorOf(summary_, checks_.corrections),
+                                      PosteriorOf(summary_, checks_.missing_forces),
                                       options_.holdout_frames ? HeldOut::kFrames : HeldOut::kRecordings,
                                       options_.holdout_frames ? FittedStarts() : std::vector<HeldOutStart>(), options);
     if (fit_options_.is_cancelled()) checks_.held_bands.reset();

@@ -1,5 +1,6 @@
 #include "identify/card/card_of_fit.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -121,9 +122,13 @@ FabricCard CardOfFit(const FitSummary& summary, const FitChecks& checks, const s
     card.constants.push_back(constant);
   }
   if (checks.held_bands && checks.held_bands->calibration) {
-    if (const std::optional<LastingForce> force = MeanForce(checks.corrections)) {
+    if (!checks.missing_forces.empty()) {
       const double factor = checks.held_bands->calibration->factor;
-      card.missing_force = CardForce{factor * force->size, force->time, force->length, factor};
+      LastingForce force = *std::max_element(checks.missing_forces.begin(), checks.missing_forces.end(),
+                                             [](const auto& a, const auto& b) { return a.size < b.size; });
+      force.size = 0.0;  // of their sum
+      for (const LastingForce& part : checks.missing_forces) force.size = std::hypot(force.size, part.size);
+      card.missing_force = CardForce{factor * force.size, force.time, force.length, factor};
     }
   }
   return card;

@@ -123,10 +123,11 @@ std::vector<CorrectionCheck> CheckCorrections(const std::vector<RecordedMotion>&
   return checks;
 }
 
-std::optional<LastingForce> MeanForce(const std::vector<LastingForce>& forces) {
+std::optional<LastingForce> MeanForce(const std::vector<CorrectionCheck>& corrections) {
   LastingForce mean;
   double num = 0.0;
-  for (const LastingForce& force : forces) {
+  for (const CorrectionCheck& check : corrections) {
+    const LastingForce& force = check.missing_force.lasting;
     if (!(force.size > 0.0) || !(force.time > 0.0) || !(force.length > 0.0)) continue;
     mean.size += force.size * force.size;
     mean.time += force.time;
@@ -135,12 +136,6 @@ std::optional<LastingForce> MeanForce(const std::vector<LastingForce>& forces) {
   }
   if (num == 0.0) return std::nullopt;
   return LastingForce{std::sqrt(mean.size / num), mean.time / num, mean.length / num};
-}
-
-std::optional<LastingForce> MeanForce(const std::vector<CorrectionCheck>& corrections) {
-  std::vector<LastingForce> forces;
-  for (const CorrectionCheck& check : corrections) forces.push_back(check.missing_force.lasting);
-  return MeanForce(forces);
 }
 
 }  // namespace clothid

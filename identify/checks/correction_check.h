@@ -57,7 +57,6 @@ std::vector<CorrectionCheck> CheckCorrections(const std::vector<RecordedMotion>&
 
 // What lasts of it over the recordings: the root of the mean square of its size, the means of time and length. None
 // where nothing lasts in any of them.
-std::optional<LastingForce> MeanForce(const std::vector<LastingForce>& forces);
 std::optional<LastingForce> MeanForce(const std::vector<CorrectionCheck>& corrections);
 
 }  // namespace clothid

@@ -19,6 +19,13 @@ std::string CalibrationText(const HeldBands& bands) {
 
 }  // namespace
 
+std::size_t LeadOf(double time) {
+  constexpr double kRounding = 1e-9;  // s
+  std::size_t lead = 0;
+  while (time > kHeldLeads[lead] + kRounding) ++lead;
+  return lead;
+}
+
 std::string HeldBandsText(const HeldBands& bands, bool has_only_forces) {
   if (!bands.why_not.empty()) return "no bands of predictions: " + bands.why_not;
   const auto length = [&](double value) {

@@ -8,12 +8,31 @@
 #ifndef CLOTHID_IDENTIFY_PREDICTION_HELD_BANDS_H_
 #define CLOTHID_IDENTIFY_PREDICTION_HELD_BANDS_H_
 
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace clothid {
+
+inline constexpr std::array<double, 4> kHeldLeads = {0.1, 0.3, 1.0, std::numeric_limits<double>::infinity()};  // s
+
+// The first of `kHeldLeads` that a time after the start, s, is not beyond.
+std::size_t LeadOf(double time);
+
+// How they are made.
+struct HeldBandOptions {
+  int num_draws = 20;  // at least kLeastDraws
+  std::uint64_t seed = 1;
+  int num_threads = 1;
+  bool with_step = true, with_mesh = true;  // what those of the scenes are off by
+  bool calibrates = false;  // finds the factor that makes them hold 90 %, by three times as many rollouts more
+  const std::atomic<bool>* cancel = nullptr;
+};
 
 // Of the measurements from one lead time to the next. Lengths are of a coordinate, m; N where only forces were held
 // out.

@@ -3,8 +3,6 @@
 #define CLOTHID_IDENTIFY_PREDICTION_JUDGE_BANDS_H_
 
 #include <Eigen/Core>
-#include <atomic>
-#include <cstdint>
 #include <vector>
 
 #include "costs/prediction/parameter_block.h"
@@ -14,15 +12,6 @@
 #include "identify/prediction/posterior.h"
 
 namespace clothid {
-
-struct HeldBandOptions {
-  int num_draws = 20;  // at least kLeastDraws
-  std::uint64_t seed = 1;
-  int num_threads = 1;
-  bool with_step = true, with_mesh = true;  // what those of the scenes are off by
-  bool calibrates = false;  // finds the factor that makes them hold 90 %, by three times as many rollouts more
-  const std::atomic<bool>* cancel = nullptr;
-};
 
 // Arguments as of `EvaluateHoldout`; `posterior` is `PosteriorOf` the same fit. Where each recording of the fit has a
 // parameter for itself, a draw of another recording takes those of one of them, in turns. At most some millions of

@@ -143,15 +143,15 @@ void ReadParameters(const JsonNode& root, FitPosterior* posterior) {
   if (posterior->parameters.empty()) parameters.Fail("expected one with an interval, 'lower95' to 'upper95'");
 }
 
-std::optional<LastingForce> ReadLastingForce(const JsonNode& root) {
-  const auto assimilation = root.Find("assimilation");
-  if (!assimilation) return std::nullopt;
+std::vector<LastingForce> ReadForces(const JsonNode& root) {
   std::vector<LastingForce> forces;
-  for (const JsonNode& recording : assimilation->Require("recordings", "an array").items()) {
-    const JsonNode force = recording.Require("missing_force", "an object");
-    forces.push_back({ToldNumber(force, "deviation_N_m2"), ToldNumber(force, "time_s"), ToldNumber(force, "length_m")});
+  const auto told = root.Find("missing_force");
+  if (!told) return forces;
+  for (const JsonNode& force : told->items()) {
+    const auto number = [&](const char* key) { return force.Require(key, "a positive number").PositiveNumber(); };
+    forces.push_back({number("deviation_N_m2"), number("time_s"), number("length_m")});
   }
-  return MeanForce(forces);
+  return forces;
 }
 
 // Where bands were calibrated.
@@ -160,9 +160,9 @@ void ReadCalibration(const JsonNode& root, FitPosterior* posterior) {
   if (!holdout || holdout->is(JsonValue::Kind::kNull)) return;
   const auto bands = holdout->Find("bands");
   const auto calibration = bands ? bands->Find("calibration") : std::nullopt;
-  if (!calibration || !posterior->force) return;
+  if (!calibration) return;
   posterior->force_factor = calibration->Require("force_factor", "a positive number").PositiveNumber();
-  posterior->force->size *= posterior->force_factor;
+  for (LastingForce& force : posterior->forces) force.size *= posterior->force_factor;
 }
 
 // The mean over recordings, of squares; none where no start was fitted.
@@ -258,7 +258,7 @@ FitPosterior ParsePosterior(const std::string& text, const std::string& path) {
   posterior.path = path;
   posterior.warning = WarningOf(root);
   ReadParameters(root, &posterior);
-  posterior.force = ReadLastingForce(root);
+  posterior.forces = ReadForces(root);
   ReadCalibration(root, &posterior);
   posterior.start = ReadStart(root);
   posterior.membrane = ReadLaw(root, "membrane");
@@ -266,7 +266,7 @@ FitPosterior ParsePosterior(const std::string& text, const std::string& path) {
   return posterior;
 }
 
-FitPosterior PosteriorOf(const FitSummary& summary, const std::vector<CorrectionCheck>& corrections) {
+FitPosterior PosteriorOf(const FitSummary& summary, const std::vector<LastingForce>& forces) {
   FitPosterior posterior;
   posterior.path = "the fit";
   std::vector<ToldParameter> told;
@@ -282,7 +282,7 @@ FitPosterior PosteriorOf(const FitSummary& summary, const std::vector<Correction
     return summary.uncertainty->correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
   };
   SetParameters(told, summary.uncertainty->quantile95, correlation_of, &posterior);
-  posterior.force = MeanForce(corrections);
+  posterior.forces = forces;
   std::vector<LearntStart> starts;
   for (const StartEstimate& start : summary.starts) {
     starts.push_back({std::hypot(start.moved, start.position_std), std::hypot(start.speed_change, start.velocity_std),

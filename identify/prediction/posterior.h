@@ -17,7 +17,6 @@
 #include <vector>
 
 #include "costs/prediction/parameter_block.h"
-#include "identify/checks/correction_check.h"
 #include "identify/checks/lasting_force.h"
 #include "identify/estimate/fit_summary.h"
 #include "sim/scene/scene.h"
@@ -49,9 +48,10 @@ struct FitPosterior {
   Eigen::MatrixXd covariance;                  // [p x p] of q
   std::map<std::string, double> held;          // estimates without an interval: frozen, at a bound, not identifiable
   std::vector<std::string> left_out;           // of a recording alone, which say nothing of another scene
-  // None: the fit was not corrected, or its model lacks nothing. With the factor of a calibration.
-  std::optional<LastingForce> force;
-  double force_factor = 1.0;            // that it has been multiplied by (identify/prediction/held_bands.h)
+  // What the model lacks is their sum (identify/prediction/force_match.h); empty: it lacks nothing. With the factor of
+  // a calibration.
+  std::vector<LastingForce> forces;
+  double force_factor = 1.0;            // that they have been multiplied by (identify/prediction/held_bands.h)
   std::optional<LearntStart> start;     // none: starts and paths of handles counted as known
   std::optional<std::string> membrane;  // the laws of the cloth, in the words of a scene; none: older results
   std::optional<std::string> bending;   // likewise; none where it has no bending, too
@@ -63,9 +63,9 @@ FitPosterior ReadPosterior(const std::string& path);
 // The same of the text of one; `path` names it in errors.
 FitPosterior ParsePosterior(const std::string& text, const std::string& path);
 
-// That of a fit that has just ended, with an uncertainty, and of the corrections of its recordings, of which there may
-// be none. Unlike one that was read it has the parameters that belong to one recording, and leaves nothing out.
-FitPosterior PosteriorOf(const FitSummary& summary, const std::vector<CorrectionCheck>& corrections);
+// That of a fit that has just ended, with an uncertainty, and of the forces that its model lacks. Unlike one that was
+// read it has the parameters that belong to one recording, and leaves nothing out.
+FitPosterior PosteriorOf(const FitSummary& summary, const std::vector<LastingForce>& forces);
 
 // What `scene` has no use for is moved to `left_out`: friction where nothing is to be touched. Throws `Error`
 // (kBadData), naming file and key, where the scene has no such parameter or its cloth has other laws than the one that

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "identify/prediction/random_streams.h"
 #include "sim/shell/triangle_element.h"
@@ -35,22 +36,23 @@ Eigen::MatrixXd SmoothField::Smooth(const Eigen::MatrixXd& noise) const {
   return field;
 }
 
-RandomForce::RandomForce(const LastingForce& force, const SmoothField& field, const ClothModel& cloth,
-                         const Material& material, int num_steps, std::uint64_t seed, int draw)
-    : changes_(3 * cloth.num_nodes(), num_steps) {
+RandomForce::RandomForce(const ClothModel& cloth, int num_steps)
+    : changes_(Eigen::MatrixXd::Zero(3 * cloth.num_nodes(), num_steps)) {}
+
+void RandomForce::Add(const LastingForce& force, const SmoothField& field, const ClothModel& cloth,
+                      const Material& material, NormalStream* stream) {
   const int num_nodes = cloth.num_nodes();
   const double time_step = cloth.scene().time_step, kept = std::exp(-time_step / force.time);
   Eigen::ArrayXd accelerations = Eigen::ArrayXd::Zero(num_nodes);  // h a/m: m/s of 1 N/m^2
   for (const int node : cloth.free_nodes()) {
     accelerations[node] = time_step * cloth.node_areas()[node] / cloth.mass(material, node);
   }
-  NormalStream stream(seed, draw, DrawStream::kForces);
-  Eigen::MatrixXd own = force.size * field.Smooth(stream.Draw(num_nodes, 3));
-  for (int step = 0; step < num_steps; ++step) {
+  Eigen::MatrixXd own = force.size * field.Smooth(stream->Draw(num_nodes, 3));
+  for (Eigen::Index step = 0; step < changes_.cols(); ++step) {
     if (step > 0)
-      own = kept * own + force.size * std::sqrt(1.0 - kept * kept) * field.Smooth(stream.Draw(num_nodes, 3));
+      own = kept * own + force.size * std::sqrt(1.0 - kept * kept) * field.Smooth(stream->Draw(num_nodes, 3));
     const Eigen::Matrix3Xd changes = (own.array().colwise() * accelerations).matrix().transpose();
-    changes_.col(step) = changes.reshaped();
+    changes_.col(step) += changes.reshaped();
   }
 }
 
@@ -72,6 +74,22 @@ void RandomForce::TimesTransposed(int /*step*/, const StepEnds& /*ends*/, const 
                                   Eigen::MatrixXd* by_end) const {
   by_start->setZero(by_positions.rows(), by_positions.cols());
   by_end->setZero(by_positions.rows(), by_positions.cols());
+}
+
+ForceSource::ForceSource(std::vector<LastingForce> parts, const ClothModel& cloth) : parts_(std::move(parts)) {
+  for (const LastingForce& part : parts_) fields_.push_back(std::make_unique<SmoothField>(cloth, part.length));
+}
+
+std::shared_ptr<const Correction> ForceSource::Draw(double factor, const ClothModel& cloth, const Material& material,
+                                                    int num_steps, std::uint64_t seed, int draw) const {
+  auto force = std::make_shared<RandomForce>(cloth, num_steps);
+  NormalStream stream(seed, draw, DrawStream::kForces);
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    LastingForce part = parts_[i];
+    part.size *= factor;
+    force->Add(part, *fields_[i], cloth, material, &stream);
+  }
+  return force;
 }
 
 }  // namespace clothid

@@ -6,7 +6,8 @@
 // r = exp(-h/time), and c makes the mean variance of z over the free nodes one; handles have f = 0. So f has the
 // standard deviation s, forgets itself after `time`, and is smooth over l = length sqrt(2/pi): the spectrum
 // 1/(1 + (l k)^4)^2 has |f|^2/|grad f|^2 = pi/2 l^2. After every step v <- v + h f/rho, rho the mass per area
-// (sim/rollout/correction.h: what contacts leave of it).
+// (sim/rollout/correction.h: what contacts leave of it). What is lacking may be the sum of several, each with a memory
+// of its own.
 #ifndef CLOTHID_IDENTIFY_PREDICTION_RANDOM_FORCE_H_
 #define CLOTHID_IDENTIFY_PREDICTION_RANDOM_FORCE_H_
 
@@ -18,6 +19,7 @@
 #include <vector>
 
 #include "identify/checks/lasting_force.h"
+#include "identify/prediction/random_streams.h"
 #include "sim/cloth/cloth_model.h"
 #include "sim/rollout/correction.h"
 
@@ -42,9 +44,12 @@ class SmoothField {
 // Changes of velocities, the same whatever the state is.
 class RandomForce : public Correction {
  public:
-  // One draw over `num_steps` steps of the scene of `cloth`, which has the masses of `material`.
-  RandomForce(const LastingForce& force, const SmoothField& field, const ClothModel& cloth, const Material& material,
-              int num_steps, std::uint64_t seed, int draw);
+  // None over `num_steps` steps of the scene of `cloth`.
+  RandomForce(const ClothModel& cloth, int num_steps);
+
+  // Adds a draw, numbers of `stream`, to a cloth that has the masses of `material`.
+  void Add(const LastingForce& force, const SmoothField& field, const ClothModel& cloth, const Material& material,
+           NormalStream* stream);
 
   bool Corrects(int step) const override { return step >= 1 && step <= changes_.cols(); }
   void Evaluate(int step, const StepEnds& ends, Eigen::VectorXd* positions, Eigen::VectorXd* velocities) const override;
@@ -56,6 +61,21 @@ class RandomForce : public Correction {
 
  private:
   Eigen::MatrixXd changes_;  // [3N x T] m/s, zero at handles
+};
+
+// The forces that a model lacks, on one cloth; const functions may be called on several threads.
+class ForceSource {
+ public:
+  // Draws are the sum of one of each of `parts`. Keeps no reference.
+  ForceSource(std::vector<LastingForce> parts, const ClothModel& cloth);
+
+  // Draw `draw` of all parts times `factor`, as above. It depends on nothing else.
+  std::shared_ptr<const Correction> Draw(double factor, const ClothModel& cloth, const Material& material,
+                                         int num_steps, std::uint64_t seed, int draw) const;
+
+ private:
+  std::vector<LastingForce> parts_;
+  std::vector<std::unique_ptr<SmoothField>> fields_;  // of every part
 };
 
 }  // namespace clothid

@@ -49,9 +49,9 @@ Sampler::Sampler(const Scene& scene, const FitPosterior& posterior, const Predic
       values_(DrawParameters(posterior, options.num_draws, options.seed)),
       frame_steps_(FrameSteps(options.frame_rate, scene.time_step, scene.num_steps())) {
   if (posterior.start) start_.emplace(scene, *posterior.start, options.with_start, options.with_handles);
-  if (!options.with_force || !posterior.force) return;
+  if (!options.with_force || posterior.forces.empty()) return;
   const Simulator simulator(scene);
-  field_ = std::make_unique<SmoothField>(simulator.model(), posterior.force->length);
+  force_ = std::make_unique<ForceSource>(posterior.forces, simulator.model());
 }
 
 Sampler::DrawnScene Sampler::SetDraw(const Scene& scene, const Eigen::VectorXd& values) const {
@@ -114,10 +114,9 @@ Draw Sampler::RollOut(const DrawnScene& drawn, const Eigen::VectorXd& frame_step
 Draw Sampler::Roll(int draw) const {
   DrawnScene drawn = SetDraw(scene_, values_.col(draw));
   ForceOf force_of;
-  if (field_) {
+  if (force_) {
     force_of = [&](const ClothModel& cloth) {
-      return std::make_shared<RandomForce>(*posterior_.force, *field_, cloth, drawn.parameters.material,
-                                           scene_.num_steps(), options_.seed, draw);
+      return force_->Draw(1.0, cloth, drawn.parameters.material, scene_.num_steps(), options_.seed, draw);
     };
   }
   return RollMoved(draw, has_start(), has_handles(), force_of, &drawn);

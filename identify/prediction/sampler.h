@@ -39,7 +39,7 @@ class Sampler {
 
   const Eigen::MatrixXd& values() const { return values_; }            // [p x D]
   const Eigen::VectorXd& frame_steps() const { return frame_steps_; }  // [T] times of frames in steps
-  bool has_force() const { return field_ != nullptr; }
+  bool has_force() const { return force_ != nullptr; }
   bool has_start() const { return start_ && start_->moves_start(); }
   bool has_handles() const { return start_ && start_->moves_handles(); }
 
@@ -73,7 +73,7 @@ class Sampler {
   const PredictionOptions& options_;
   Eigen::MatrixXd values_;
   Eigen::VectorXd frame_steps_;
-  std::unique_ptr<SmoothField> field_;  // null: no force
+  std::unique_ptr<ForceSource> force_;  // null: none
   std::optional<RandomStart> start_;    // none: the fit took starts for known
 };
 

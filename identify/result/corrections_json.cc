@@ -50,4 +50,12 @@ Json CorrectionsJson(const FitSummary& summary, const FitChecks& checks) {
   return json;
 }
 
+Json LastingForcesJson(const std::vector<LastingForce>& forces) {
+  Json json = Json::array();
+  for (const LastingForce& force : forces) {
+    json.push_back({{"deviation_N_m2", force.size}, {"time_s", force.time}, {"length_m", force.length}});
+  }
+  return json;
+}
+
 }  // namespace clothid

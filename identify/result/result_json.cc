@@ -236,6 +236,7 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
   if (errs) json["model_error"] = ModelErrorsJson(summary.model_errors);
   if (checks.repetitions) json["repetitions"] = RepetitionsJson(*checks.repetitions);
   json["holdout"] = HoldoutJson(checks);
+  json["missing_force"] = LastingForcesJson(checks.missing_forces);
   json["uncertainty"] = UncertaintyJson(summary);
   json["starts"] = StartsJson(summary, checks);
   json["profiles"] = ProfilesJson(checks);

@@ -46,6 +46,7 @@ struct FitChecks {
   std::optional<PredictionError> uncorrected_error;
   std::vector<LeadTimeError> lead_times;     // likewise of rollouts that are corrected up to a launch
   std::vector<CorrectionCheck> corrections;  // of every recording; empty: the fit corrected no rollouts
+  std::vector<LastingForce> missing_forces;  // of all recordings together (identify/prediction/force_match.h)
   std::optional<Repetitions> repetitions;
   std::vector<EnergyGain> energy;                // of every recording; empty: nobody looked
   std::vector<SelfContactAudit> self_contact;    // likewise

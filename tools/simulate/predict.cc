@@ -41,12 +41,15 @@ void PrintDrawn(const FitPosterior& posterior, bool has_force) {
   if (!held.empty()) std::cout << "; as if known, for want of an interval: " << JoinWords(held);
   if (!posterior.left_out.empty()) std::cout << "; of no use here: " << JoinWords(posterior.left_out);
   std::cout << "\nmodel           ";
-  if (posterior.force) {
-    std::cout << "lacks a force of " << NumberText(posterior.force->size, 3) << " N/m^2 that lasts "
-              << NumberText(posterior.force->time, 2) << " s over " << NumberText(posterior.force->length, 2)
+  if (!posterior.forces.empty()) {
+    std::vector<std::string> forces;
+    for (const LastingForce& force : posterior.forces) {
+      forces.push_back(NumberText(force.size, 2) + " N/m^2 for " + NumberText(force.time, 2) + " s");
+    }
+    std::cout << "lacks a force of " << JoinWords(forces) << " over " << NumberText(posterior.forces[0].length, 2)
               << (has_force ? " m, drawn" : " m, not drawn");
     if (posterior.force_factor != 1.0) {
-      std::cout << "; calibrated, " << NumberText(posterior.force_factor, 3) << " times what corrections told";
+      std::cout << "; calibrated, " << NumberText(posterior.force_factor, 3) << " times what the fit told";
     }
     std::cout << "\n";
   } else {

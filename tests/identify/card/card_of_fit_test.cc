@@ -105,8 +105,7 @@ TEST(SeenRangesTest, CurvatureIsThatOfACylinder) {
 TEST(CardOfFitTest, KeepsTheForceThatBandsWereCalibratedWith) {
   const Scene scene = Strip(kYarns);
   FitChecks checks;
-  checks.corrections.resize(2);
-  checks.corrections[0].missing_force.lasting = {0.1, 0.05, 0.2};
+  checks.missing_forces = {{0.08, 0.05, 0.2}, {0.06, 1.0, 0.2}};
   checks.held_bands.emplace();
   const auto card = [&] {
     return CardOfFit(Fitted("k_warp", 310.0, 300.0, 320.0), checks, {Recorded(scene)}, {Eigen::MatrixXd()});
@@ -114,7 +113,7 @@ TEST(CardOfFitTest, KeepsTheForceThatBandsWereCalibratedWith) {
   EXPECT_FALSE(card().missing_force.has_value()) << "nobody calibrated";
   checks.held_bands->calibration = BandCalibration{3.0, 0.9};
   ASSERT_TRUE(card().missing_force.has_value());
-  EXPECT_NEAR(card().missing_force->deviation, 0.3, 1e-15);
+  EXPECT_NEAR(card().missing_force->deviation, 0.3, 1e-15) << "of the sum";
   EXPECT_EQ(card().missing_force->time, 0.05);
   EXPECT_EQ(card().missing_force->factor, 3.0);
 }

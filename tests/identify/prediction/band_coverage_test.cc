@@ -48,7 +48,7 @@ TEST(BandCoverageTest, BandsHoldMostOfWhatAFinerModelDoesElsewhere) {
   Identify(run);
   FitPosterior posterior = ReadPosterior(folder.File("fit/result.json"));
   FitToScene(other, "other", &posterior);
-  ASSERT_TRUE(posterior.force.has_value());
+  ASSERT_FALSE(posterior.forces.empty());
   const RecordedMotion truth = RecordFinely(other, kFinerSteps, kFinerMeshes, kTruth, /*noise=*/1e-9);
   PredictionOptions options;
   options.num_threads = 2;

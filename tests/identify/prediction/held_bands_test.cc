@@ -66,7 +66,7 @@ TEST(HeldBandsTest, WhatIsTooSureHoldsLittle) {
   EXPECT_GT(honest.all.inside, 0.85);
   EXPECT_LT(honest.all.score, sure.all.score);
   FitPosterior with_force = OfStretch(0.01);
-  with_force.force = LastingForce{2.0, 0.1, 0.1};
+  with_force.forces = {{2.0, 0.1, 0.1}};
   const HeldBands forced = Judge(motion, with_force);
   EXPECT_TRUE(forced.has_force);
   EXPECT_GT(forced.all.half_width, 2.0 * sure.all.half_width);
@@ -88,7 +88,7 @@ TEST(HeldBandsTest, CellsAreOfLeadTimesAndAddUp) {
 
 TEST(HeldBandsTest, ThreadsChangeNothing) {
   FitPosterior posterior = OfStretch(0.1);
-  posterior.force = LastingForce{0.5, 0.05, 0.1};
+  posterior.forces = {{0.5, 0.05, 0.1}};
   const RecordedMotion motion = Swing(50.0, 1e-3);
   HeldBandOptions options;
   const HeldBands one = Judge(motion, posterior, options);
@@ -126,19 +126,18 @@ TEST(HeldBandsTest, OneFactorOnTheForceMakesBandsHoldWhatTheySay) {
   truth.noise = truth.sigma = 1e-4;
   std::vector<RecordedMotion> motions;
   const Simulator simulator(scene);
-  const SmoothField field(simulator.model(), 0.1);
+  const ForceSource source({{1.0, 0.1, 0.1}}, simulator.model());
   for (int r = 0; r < 8; ++r) {
     motions.push_back(MakeMotion(scene, truth));
     RecordingModel model(motions.back(), {});
-    model.Correct(std::make_shared<RandomForce>(LastingForce{1.0, 0.1, 0.1}, field, model.cloth(),
-                                                scene.nominal_parameters().material, model.num_steps(), 99, r));
+    model.Correct(source.Draw(1.0, model.cloth(), scene.nominal_parameters().material, model.num_steps(), 99, r));
     Eigen::MatrixXd predicted;
     model.Simulate(Eigen::VectorXd(), {}, {}, &predicted);
     motions.back().positions += predicted - PredictedByScene(motions.back());
   }
   for (const double believed : {0.2, 5.0}) {
     FitPosterior posterior = OfStretch(1e-3);
-    posterior.force = LastingForce{believed, 0.1, 0.1};
+    posterior.forces = {{believed, 0.1, 0.1}};
     HeldBandOptions options;
     options.with_step = options.with_mesh = false;
     options.num_draws = 24;

@@ -84,13 +84,13 @@ TEST_F(PosteriorTest, StartsThatWereFittedAreOffByWhatTheyMovedAndAreNotSureOf) 
 
 TEST_F(PosteriorTest, ACalibrationMultipliesTheForce) {
   Json json = Fit();
-  json["assimilation"] = AssimilationText(0.05, 0.03, 0.1);
+  json["missing_force"] = ForcesText({{0.05, 0.03, 0.1}});
   json["holdout"] = {{"bands", {{"inside", 0.5}, {"calibration", {{"force_factor", 2.5}, {"inside", 0.9}}}}}};
   const FitPosterior posterior = Read(json);
   EXPECT_EQ(posterior.force_factor, 2.5);
-  EXPECT_NEAR(posterior.force->size, 0.125, 1e-15);
+  EXPECT_NEAR(posterior.forces.at(0).size, 0.125, 1e-15);
   json["holdout"] = nullptr;
-  EXPECT_NEAR(Read(json).force->size, 0.05, 1e-15);
+  EXPECT_NEAR(Read(json).forces.at(0).size, 0.05, 1e-15);
 }
 
 TEST_F(PosteriorTest, DrawsHaveTheCovarianceAndDependOnSeedAndNumberAlone) {
@@ -160,16 +160,17 @@ TEST_F(PosteriorTest, FrictionSaysNothingWhereNothingIsTouched) {
   EXPECT_NEAR(posterior.covariance(0, 0), std::pow(0.06, 2), 1e-12);
 }
 
-TEST_F(PosteriorTest, AForceThatLastsIsRead) {
+TEST_F(PosteriorTest, ForcesThatLastAreRead) {
   Json json = Fit();
-  json["assimilation"] = AssimilationText(0.1, 0.05, 0.2);
+  EXPECT_TRUE(Read(json).forces.empty());
+  json["missing_force"] = ForcesText({{0.1, 0.05, 0.2}, {0.03, 1.0, 0.2}});
   const FitPosterior posterior = Read(json);
-  ASSERT_TRUE(posterior.force.has_value());
-  EXPECT_EQ(posterior.force->size, 0.1);
-  EXPECT_EQ(posterior.force->time, 0.05);
-  EXPECT_EQ(posterior.force->length, 0.2);
-  json["assimilation"] = AssimilationText(0.0, 0.0, 0.0);
-  EXPECT_FALSE(Read(json).force.has_value());
+  ASSERT_EQ(posterior.forces.size(), 2u);
+  EXPECT_EQ(posterior.forces[0].size, 0.1);
+  EXPECT_EQ(posterior.forces[1].time, 1.0);
+  EXPECT_EQ(posterior.forces[1].length, 0.2);
+  json["missing_force"] = ForcesText({{0.0, 0.05, 0.2}});
+  ExpectError([&] { Read(json); }, ErrorKind::kBadData, {"deviation_N_m2", "number > 0"});
 }
 
 }  // namespace

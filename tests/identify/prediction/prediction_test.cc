@@ -47,7 +47,7 @@ TEST(PredictionTest, APredictionIsWorthSomethingWhileItMissesLessThanRest) {
 
 TEST(PredictionTest, ThreadsChangeNothing) {
   FitPosterior posterior = Small();
-  posterior.force = LastingForce{0.05, 0.03, 0.1};
+  posterior.forces = {{0.05, 0.03, 0.1}};
   PredictionOptions options;
   options.num_draws = 20;
   const Prediction one = Predict(SphereScene(), posterior, options);
@@ -107,7 +107,7 @@ TEST(PredictionTest, SharesSayWhatTheSpreadIsOf) {
   EXPECT_LT(sure.shares.each(last, 1), 0.1);
   EXPECT_LT(sure.spread[last], sure.moved[last]);
   EXPECT_TRUE(std::isinf(sure.WorthUntil()));
-  posterior.force = LastingForce{1.0, 0.05, 0.1};
+  posterior.forces = {{1.0, 0.05, 0.1}};
   const Prediction unsure = Predict(SwingScene(), posterior, options);
   EXPECT_GT(unsure.shares.rest[last], 0.9);
   EXPECT_GT(unsure.spread[last], 3.0 * sure.spread[last]);

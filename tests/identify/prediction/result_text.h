@@ -2,10 +2,12 @@
 #ifndef CLOTHID_TESTS_IDENTIFY_PREDICTION_RESULT_TEXT_H_
 #define CLOTHID_TESTS_IDENTIFY_PREDICTION_RESULT_TEXT_H_
 
+#include <array>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 namespace clothid {
 
@@ -36,11 +38,13 @@ inline nlohmann::ordered_json ResultText(const std::map<std::string, ToldParamet
   return json;
 }
 
-// A force that the model lacks.
-inline nlohmann::ordered_json AssimilationText(double size, double time, double length) {
-  using Json = nlohmann::ordered_json;
-  const Json force = {{"deviation_N_m2", size}, {"time_s", time}, {"length_m", length}};
-  return {{"recordings", Json::array({Json{{"missing_force", force}}})}};
+// Forces that the model lacks: their sizes, times and lengths.
+inline nlohmann::ordered_json ForcesText(const std::vector<std::array<double, 3>>& forces) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const auto& [size, time, length] : forces) {
+    json.push_back({{"deviation_N_m2", size}, {"time_s", time}, {"length_m", length}});
+  }
+  return json;
 }
 
 }  // namespace clothid

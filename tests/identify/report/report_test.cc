@@ -55,15 +55,17 @@ TEST(ReportTest, ResultHasItsSchema) {
   FitChecks checks;
   checks.gradient_check = GradientCheck{1e-12, 1e-7};
   checks.holdout = Holdout{0.1, std::numeric_limits<double>::quiet_NaN(), "nominal: failed"};
+  checks.missing_forces = {{0.03, 1.0, 0.1}};
   const Json json = Json::parse(ResultJson(summary, checks, motions));
-  EXPECT_EQ(Keys(json),
-            (std::vector<std::string>{"schema",      "status",       "exit_code",      "usable",
-                                      "verdict",     "parameters",   "cloth",          "rmse_m",
-                                      "fit_percent", "holdout",      "uncertainty",    "starts",
-                                      "profiles",    "step_check",   "cost",           "jacobian",
-                                      "plan",        "iterations",   "rollouts",       "rollouts_of_first_frames",
-                                      "sweeps",      "failed_steps", "contact_events", "gradient_check",
-                                      "seconds",     "provenance"}));
+  EXPECT_EQ(Keys(json), (std::vector<std::string>{"schema",         "status",        "exit_code",
+                                                  "usable",         "verdict",       "parameters",
+                                                  "cloth",          "rmse_m",        "fit_percent",
+                                                  "holdout",        "missing_force", "uncertainty",
+                                                  "starts",         "profiles",      "step_check",
+                                                  "cost",           "jacobian",      "plan",
+                                                  "iterations",     "rollouts",      "rollouts_of_first_frames",
+                                                  "sweeps",         "failed_steps",  "contact_events",
+                                                  "gradient_check", "seconds",       "provenance"}));
   EXPECT_EQ(json["schema"], "clothid.result/1");
   EXPECT_EQ(json["status"], "converged");
   EXPECT_EQ(json["exit_code"], 0);
@@ -87,6 +89,7 @@ TEST(ReportTest, ResultHasItsSchema) {
   EXPECT_TRUE(json["uncertainty"]["hidden_directions"].empty());
   EXPECT_EQ(json["rmse_m"].get<double>(), summary.error.rmse());
   EXPECT_TRUE(json["holdout"]["nominal_rmse_m"].is_null());
+  EXPECT_EQ(json["missing_force"], Json::parse(R"([{"deviation_N_m2": 0.03, "time_s": 1.0, "length_m": 0.1}])"));
   EXPECT_EQ(json["contact_events"], Json({{"contacts", summary.counts.contacts},
                                           {"nodes_joined", summary.counts.nodes_joined},
                                           {"nodes_left", summary.counts.nodes_left},

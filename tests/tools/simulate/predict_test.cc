@@ -19,7 +19,7 @@ class PredictTest : public ToolTest {
     scene_ = WriteScene(SphereJson());
     Json fit = ResultText({{"k_stretch", {100.0, 2.0}}, {"mu", {0.3, 0.01, 1.0, false}}});
     WriteBytes(folder() / "alone.json", fit.dump(2));
-    fit["assimilation"] = AssimilationText(0.05, 0.03, 0.1);
+    fit["missing_force"] = ForcesText({{0.05, 0.03, 0.1}});
     WriteBytes(folder() / "result.json", fit.dump(2));
   }
 
