@@ -11,6 +11,8 @@ inline constexpr char kHelp[] = R"(identify: fits friction and stiffness of clot
   --target FILES      recordings (motion.bin), fitted jointly
   --repeat            they repeat one experiment: their scatter, their mean, the
                       next specimen
+  --transfer          each is fitted for itself, too, and predicts the others:
+                      who predicts whom, and how well
   --scene FILE        scene.json to use instead of the one in each recording
   --fabric NAME       light, medium, heavy, knit or denim: measured constants in
                       place of those that the scene does not give, and bounds;
@@ -147,6 +149,9 @@ Repetitions:
                       recordings, mean, next specimen, which does not fit the others. --target may be folders of
                       finished fits, or folders of such, which are pooled without a fit: --fit chooses parameters,
                       --each leaves out
+  --transfer          fits each recording of --target for itself, too, and predicts the others by bands of
+                      --holdout_draws rollouts: what they hold, what their median misses, until when it is worth
+                      more than the cloth at rest
 
 Files:
   --output DIR        result.json, fabric.json, convergence.csv, predicted.bin, profile.csv, card.html, report.html

@@ -49,7 +49,7 @@ RunOptions SingleRun(const RunOptions& options, const RecordedMotion& motion, in
   single.targets = {motion};
   single.holdout_frames = options.holdout_frames;
   single.holdout_draws = options.holdout_draws;
-  single.calibrates_bands = options.calibrates_bands;
+  single.calibrates_bands = options.calibrates_bands && options.holdout_frames.has_value();
   single.time_step = options.time_step;
   single.step_tolerance = options.step_tolerance;
   single.check_recordings = false;  // the joint run has looked
@@ -71,18 +71,43 @@ RunOptions SingleRun(const RunOptions& options, const RecordedMotion& motion, in
   return single;
 }
 
-SingleFit FitOne(const RunOptions& options, const RunCall& identify, int index) {
-  const auto r = static_cast<std::size_t>(index);
-  const RecordedMotion motion =
-      options.targets.empty() ? ReadMotion(options.target_paths[r], options.reading) : options.targets[r];
-  const RunOptions single = SingleRun(options, motion, index);
+RecordedMotion RecordingOf(const RunOptions& options, std::size_t r) {
+  return options.targets.empty() ? ReadMotion(options.target_paths[r], options.reading) : options.targets[r];
+}
+
+// What the fit of a recording, with the others held out, has predicted of them.
+TransferRow DescribeTransfer(const std::string& name, const RunResult& result) {
+  TransferRow row;
+  row.name = name;
+  if (!result.checks.held_bands) {
+    row.why_not = result.summary.has_estimate() ? "its fit tells no interval" : result.summary.message;
+    return row;
+  }
+  row.why_not = result.checks.held_bands->why_not;
+  row.predicted = result.checks.held_bands->recordings;
+  row.has_only_forces = result.checks.holdout && result.checks.holdout->has_only_forces;
+  return row;
+}
+
+struct OneFit {
+  SingleFit fit;
+  TransferRow row;
+};
+
+OneFit FitOne(const RunOptions& options, const RunCall& identify, int index, int num) {
+  const RecordedMotion motion = RecordingOf(options, static_cast<std::size_t>(index));
+  RunOptions single = SingleRun(options, motion, index);
   if (single.fit.parameters.empty() && !options.fit.parameters.empty() && single.fit.each.empty()) {
     SingleFit none;
     none.name = motion.name;
     none.why_not_used = "it has no parameter of --fit";
-    return none;
+    return {none, {motion.name, none.why_not_used, {}}};
   }
-  return DescribeSingleFit(motion.name, motion.sha256, identify(single));
+  for (int other = 0; options.transfer && other < num; ++other) {
+    if (other != index) single.holdouts.push_back(RecordingOf(options, static_cast<std::size_t>(other)));
+  }
+  const RunResult result = identify(single);
+  return {DescribeSingleFit(motion.name, motion.sha256, result), DescribeTransfer(motion.name, result)};
 }
 
 FitSummary SummaryOfMeans(const Repetitions& repetitions) {
@@ -129,19 +154,24 @@ std::optional<FabricCard> CardOf(const std::vector<std::string>& folders, const 
 
 }  // namespace
 
-std::vector<SingleFit> FitEach(const RunOptions& options, const RunCall& identify) {
+EachFit FitEach(const RunOptions& options, const RunCall& identify) {
   const auto num = static_cast<int>(std::max(options.targets.size(), options.target_paths.size()));
-  std::vector<SingleFit> fits(static_cast<std::size_t>(num));
+  std::vector<OneFit> fits(static_cast<std::size_t>(num));
   const auto fit = [&](int r) {
-    if (!options.fit.is_cancelled()) fits[static_cast<std::size_t>(r)] = FitOne(options, identify, r);
+    if (!options.fit.is_cancelled()) fits[static_cast<std::size_t>(r)] = FitOne(options, identify, r, num);
   };
   const auto tell = [&](int r, int num_done) {
     const bool is_told = options.on_repetition && !options.fit.is_cancelled();
-    if (is_told) options.on_repetition(fits[static_cast<std::size_t>(r)], num_done, num);
+    if (is_told) options.on_repetition(fits[static_cast<std::size_t>(r)].fit, num_done, num);
   };
   ParallelFor(num, options.fit.num_threads, fit, tell);
-  if (options.fit.is_cancelled()) fits.clear();
-  return fits;
+  EachFit each;
+  if (options.fit.is_cancelled()) return each;
+  for (OneFit& one : fits) {
+    each.fits.push_back(std::move(one.fit));
+    if (options.transfer) each.transfer.rows.push_back(std::move(one.row));
+  }
+  return each;
 }
 
 SingleFit DescribeSingleFit(const std::string& name, const std::string& sha256, const RunResult& result) {

@@ -1,5 +1,5 @@
 // What a run does beside its joint fit, or in place of it, where its recordings are repetitions of one experiment
-// (`RunOptions::repeat`).
+// (`RunOptions::repeat`), or predict each other (`RunOptions::transfer`).
 #ifndef CLOTHID_IDENTIFY_REPEATED_RUN_H_
 #define CLOTHID_IDENTIFY_REPEATED_RUN_H_
 
@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "identify/prediction/transfer.h"
 #include "identify/repetition/repetitions.h"
 #include "identify/run_options.h"
 
@@ -15,12 +16,19 @@ namespace clothid {
 // `Identify` (identify/run.h), which this is a part of.
 using RunCall = std::function<RunResult(const RunOptions& options)>;
 
+// What fits of every recording for itself have found.
+struct EachFit {
+  std::vector<SingleFit> fits;
+  Transfer transfer;  // with `RunOptions::transfer`
+};
+
 // Fits every recording of `options` for itself, as a run of its own would that writes nothing: side by side on
 // `FitOptions::num_threads`, each on one. Parameters that a recording does not have are left out of its fit, of bounds
 // and the like "drag@2" counts for the second recording alone. Nothing is looked at beside these fits but what counts
-// in their intervals, and `RunOptions::resume` does not keep them: a resumed run fits them again. Empty where `cancel`
-// ended it. Throws `Error` where `identify` does for one of them.
-std::vector<SingleFit> FitEach(const RunOptions& options, const RunCall& identify);
+// in their intervals, and `RunOptions::resume` does not keep them: a resumed run fits them again. With
+// `RunOptions::transfer` each predicts the others. Empty where `cancel` ended it. Throws `Error` where `identify` does
+// for one of them.
+EachFit FitEach(const RunOptions& options, const RunCall& identify);
 
 // The estimates of a run of one recording.
 SingleFit DescribeSingleFit(const std::string& name, const std::string& sha256, const RunResult& result);

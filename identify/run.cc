@@ -89,7 +89,7 @@ RunInputs ReadInputs(const RunOptions& options) {
   for (const std::string& folder : options.landscape_paths) {
     inputs.landscapes.push_back(ReadFitLandscape(folder, inputs.fitted));
   }
-  if (options.repeat) ExpectDifferentRecordings(NamesOf(inputs.fitted));
+  if (options.repeat || options.transfer) ExpectDifferentRecordings(NamesOf(inputs.fitted));
   if (options.holdout_frames) inputs.held_out = HoldOutFrames(*options.holdout_frames, &inputs.fitted);
   return inputs;
 }
@@ -124,7 +124,10 @@ class Run {
     checks_.num_threads = fit_options_.num_threads;
   }
 
-  void SetSingleFits(std::vector<SingleFit> fits) { single_fits_ = std::move(fits); }
+  void SetEachFit(EachFit each) {
+    if (options_.repeat) single_fits_ = std::move(each.fits);
+    if (!each.transfer.rows.empty()) checks_.transfer = std::move(each.transfer);
+  }
 
   RunResult Finish() {
     TellParameters();
@@ -344,7 +347,7 @@ RunResult Identify(const RunOptions& options) {
   options.Validate();
   if (options.judges_folders()) return JudgeFinishedFits(options);
   Run run(options);
-  if (options.repeat) run.SetSingleFits(FitEach(options, Identify));
+  if (options.repeat || options.transfer) run.SetEachFit(FitEach(options, Identify));
   return run.Finish();
 }
 

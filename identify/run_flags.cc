@@ -57,6 +57,7 @@ RunOptions ParseRunFlags(const RunFlags& flags) {
   RunOptions options;
   options.target_paths = ParseNames(flags.target, "--target");
   options.repeat = flags.repeat;
+  options.transfer = flags.transfer;
   options.holdout_paths = ParseNames(flags.holdout, "--holdout");
   options.holdout_draws = flags.holdout_draws;
   options.calibrates_bands = flags.calibrate_bands;

@@ -13,7 +13,7 @@ namespace clothid {
 // As `identify --help all` explains them, with the values that they have where nobody gives them.
 struct RunFlags {
   std::string target, scene, fabric;
-  bool repeat = false;
+  bool repeat = false, transfer = false;
   std::string fit, each, field;
   double field_weight = 0.0;
   std::string wind_profile;
@@ -41,6 +41,7 @@ template <typename Visit>
 void VisitRunFlags(RunFlags* flags, const Visit& visit) {
   visit("target", &flags->target);
   visit("repeat", &flags->repeat);
+  visit("transfer", &flags->transfer);
   visit("scene", &flags->scene);
   visit("fabric", &flags->fabric);
   visit("fit", &flags->fit);

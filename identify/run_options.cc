@@ -44,6 +44,7 @@ void ValidateRepeat(const RunOptions& options) {
   expect_absent(!options.fit.loss.is_robust(), "--loss");
   expect_absent(!options.check_gradients, "--check_gradients");
   expect_absent(!options.resume, "--resume");
+  expect_absent(!options.transfer, "--transfer");
   const ParameterOverrides& given = options.fit.overrides;
   expect_absent(given.start.empty(), "--start");
   expect_absent(given.lower_bounds.empty(), "--lower");
@@ -74,6 +75,10 @@ void RunOptions::Validate() const {
   ExpectUsage(landscape_paths.empty() || (report_page && !output.empty()),
               "--landscape: is shown in report.html; expected without --report=false");
   ValidateRepeat(*this);
+  ExpectUsage(!transfer || target_paths.size() + targets.size() > 1, "--transfer: expected at least two recordings");
+  ExpectUsage(!transfer || (!holdout_frames && holdout_draws > 0 && fit.fields.empty() && !wind.is_given()),
+              "--transfer: expected without --holdout_frames, --field and --wind_profile, and with --holdout_draws "
+              "above 0");
   ExpectUsage(!resume || !output.empty(), "--resume: expected with --output");
   ExpectUsage(fit.seed == 0 || fit.num_starts > 1, "--seed: expected with --starts, whose points it chooses");
   ExpectUsage(simulators.empty() || !output.empty(), "--export: expected with --output");

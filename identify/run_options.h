@@ -54,6 +54,9 @@ struct RunOptions {
   // (identify/repetition/repetitions.h). `target_paths` may then all be folders of finished fits, or of such folders,
   // which are pooled without a fit (identify/repetition/finished_fits.h).
   bool repeat = false;
+  // Each of the recordings is fitted for itself, too, and predicts the others (identify/prediction/transfer.h), by
+  // `holdout_draws` rollouts each.
+  bool transfer = false;
   // What is written.
   std::string output;                   // the folder; empty: nothing is written
   bool report_page = true;              // report.html as well

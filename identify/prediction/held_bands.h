@@ -45,6 +45,15 @@ struct HeldBandCell {
   double half_width = 0.0;                                 // the mean over bands
 };
 
+// Of one of several recordings.
+struct HeldRecordingBands {
+  std::string name;
+  HeldBandCell all;
+  // s after the start: the last time at which, over the measurements so far, the median has missed by less than a cloth
+  // that stays where it starts, as root mean squares; 0: it never has, infinite: to the end. NaN of forces.
+  double worth_until = std::numeric_limits<double>::quiet_NaN();
+};
+
 // One factor on the force that the model lacks, by which bands hold what they say.
 struct BandCalibration {
   double factor = 1.0;  // from kLeastBandFactor to its inverse, where the bands are as near as that goes
@@ -56,7 +65,8 @@ inline constexpr double kLeastBandFactor = 0.05;
 struct HeldBands {
   std::vector<HeldBandCell> leads;  // up to .1, .3, 1 s, and from there on: those in which something was held out
   HeldBandCell all;
-  int num_draws = 0, num_failed = 0;  // of every recording; those that failed are in no number
+  std::vector<HeldRecordingBands> recordings;  // in which something was held out
+  int num_draws = 0, num_failed = 0;           // of every recording; those that failed are in no number
   bool has_force = false;
   std::optional<BandCalibration> calibration;  // where that was asked for, and there is a force
   std::string why_not;  // why there are none, in words that go on after "bands: "; empty: there are

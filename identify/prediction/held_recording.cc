@@ -92,6 +92,12 @@ Eigen::VectorXd HeldRecording::RollEstimate(const ForceSource* force, int draw) 
   return RollWithout(motion_, start_, force, draw);
 }
 
+Eigen::VectorXd HeldRecording::RollStill() const {
+  const HeldOutBlocks own = BlocksFor(motion_, recording_, blocks_, values_);
+  RecordingModel model(motion_, own.blocks, {}, start_.start);
+  return ResidualsOf(own, start_, &model, /*is_still=*/true);
+}
+
 Eigen::MatrixXd HeldRecording::RollFiner() const {
   Eigen::MatrixXd changes = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(judged_.rows.size()), 2);
   Eigen::VectorXd own;
@@ -143,14 +149,15 @@ Eigen::VectorXd HeldRecording::StartOf(int stream) const {
   return unknowns;
 }
 
-Eigen::VectorXd HeldRecording::ResidualsOf(const HeldOutBlocks& own, const HeldOutStart& start,
-                                           RecordingModel* model) const {
+Eigen::VectorXd HeldRecording::ResidualsOf(const HeldOutBlocks& own, const HeldOutStart& start, RecordingModel* model,
+                                           bool is_still) const {
   Eigen::MatrixXd predicted;
   ForceTrack forces;
   const PassOptions pass = {Precision::kFull, options_.cancel};
   const Rollout rollout =
       model->Simulate(WithStart(own.coordinates, start), pass, {}, &predicted, /*velocities=*/nullptr, &forces);
   if (!rollout.ok()) return {};
+  if (is_still) predicted = predicted.col(0).replicate(1, predicted.cols()).eval();
   return model->observation().Residuals(predicted, forces.predicted)(judged_.rows);
 }
 

@@ -42,6 +42,8 @@ class HeldRecording {
   Eigen::VectorXd Roll(int draw, double force_factor) const;
   // Likewise of the estimates, without noise; `force`: what is added to them, draw `draw` of it, or null.
   Eigen::VectorXd RollEstimate(const ForceSource* force, int draw) const;
+  // Of a cloth that stays where it starts, as it is predicted in the first frame.
+  Eigen::VectorXd RollStill() const;
   // What half the step and a mesh of twice the density change of residuals [m x 2]; zero where that is not known.
   Eigen::MatrixXd RollFiner() const;
 
@@ -56,7 +58,9 @@ class HeldRecording {
   // The unknowns of the start: those that the fit has estimated, or draws about where it was taken to be, as far off as
   // fitted ones were and handles as far as they were measured.
   Eigen::VectorXd StartOf(int stream) const;
-  Eigen::VectorXd ResidualsOf(const HeldOutBlocks& own, const HeldOutStart& start, RecordingModel* model) const;
+  // `is_still`: as of `RollStill`.
+  Eigen::VectorXd ResidualsOf(const HeldOutBlocks& own, const HeldOutStart& start, RecordingModel* model,
+                              bool is_still = false) const;
   Eigen::VectorXd RollWithout(const RecordedMotion& motion, const HeldOutStart& start,
                               const ForceSource* force = nullptr, int draw = 0) const;
   Eigen::VectorXd RollRefined() const;

@@ -68,13 +68,43 @@ void Finish(HeldBandCell* cell) {
   cell->half_width /= cell->num;
 }
 
-void AddRecording(const JudgedRows& judged, const Eigen::MatrixXd& draws, HeldBands* bands) {
-  for (Eigen::Index row = 0; row < draws.rows(); ++row) {
-    const Eigen::MatrixXd own = draws.row(row);
-    const Eigen::RowVectorXd quantiles = BandsOf(own);
-    AddToCell(judged.sigma[row], own.transpose(), quantiles, &bands->leads[LeadOf(judged.leads[row])]);
-    AddToCell(judged.sigma[row], own.transpose(), quantiles, &bands->all);
+// Until when a median is worth more than a cloth at rest, from what both miss, row by row in the order of time.
+class WorthCount {
+ public:
+  void Add(double lead, double missed, double missed_at_rest) {
+    if (lead > lead_) Close();
+    lead_ = lead;
+    missed_ += missed * missed;
+    missed_at_rest_ += missed_at_rest * missed_at_rest;
   }
+
+  double Until() {
+    Close();
+    return until_ == lead_ ? std::numeric_limits<double>::infinity() : until_;
+  }
+
+ private:
+  void Close() {
+    if (missed_ < missed_at_rest_) until_ = lead_;
+  }
+
+  double lead_ = 0.0, missed_ = 0.0, missed_at_rest_ = 0.0, until_ = 0.0;
+};
+
+// `still`: of a cloth at rest; empty: not known.
+void AddRecording(const JudgedRows& judged, const Eigen::MatrixXd& draws, const Eigen::VectorXd& still,
+                  HeldRecordingBands* own, HeldBands* bands) {
+  WorthCount worth;
+  for (Eigen::Index row = 0; row < draws.rows(); ++row) {
+    const Eigen::VectorXd of_row = draws.row(row).transpose();
+    const double sigma = judged.sigma[row];
+    const Eigen::RowVectorXd quantiles = BandsOf(of_row.transpose());
+    for (HeldBandCell* cell : {&bands->leads[LeadOf(judged.leads[row])], &bands->all, &own->all}) {
+      AddToCell(sigma, of_row, quantiles, cell);
+    }
+    if (still.size() > 0) worth.Add(judged.leads[row], sigma * quantiles[2], sigma * still[row]);
+  }
+  if (still.size() > 0) own->worth_until = worth.Until();
 }
 
 constexpr double kAsDrawn = std::numeric_limits<double>::quiet_NaN();
@@ -149,7 +179,11 @@ HeldBands JudgeByBands(const std::vector<RecordedMotion>& motions, const std::ve
                       std::to_string(options.num_draws) + " rollouts work";
       break;
     }
-    AddRecording(next.held->judged(), draws, &bands);
+    const JudgedRows& rows = next.held->judged();
+    HeldRecordingBands& own = bands.recordings.emplace_back();
+    own.name = motions[r].name;
+    AddRecording(rows, draws, rows.are_forces ? Eigen::VectorXd() : next.held->RollStill(), &own, &bands);
+    Finish(&own.all);
     judged.push_back(std::move(next));
   }
   if (options.calibrates && bands.has_force && bands.why_not.empty()) bands.calibration = Calibrate(options, &judged);
@@ -161,7 +195,10 @@ HeldBands JudgeByBands(const std::vector<RecordedMotion>& motions, const std::ve
   } else if (bands.why_not.empty()) {
     bands.why_not = "neither a tracked point nor a force was held out";
   }
-  if (!bands.why_not.empty()) bands.leads.clear();
+  if (!bands.why_not.empty()) {
+    bands.leads.clear();
+    bands.recordings.clear();
+  }
   return bands;
 }
 

@@ -21,6 +21,7 @@
 #include "identify/report/repetition_report.h"
 #include "identify/report/report_page.h"
 #include "identify/report/report_replay.h"
+#include "identify/report/transfer_report.h"
 #include "identify/result/repetition_json.h"
 #include "identify/result/result_json.h"
 #include "identify/verdict/model_error_text.h"
@@ -370,6 +371,7 @@ std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {
           << " substeps were taken: each makes the cost jump a little\n";
   }
   if (checks.repetitions) table << RepetitionRows(*checks.repetitions);
+  if (checks.transfer) table << TransferRows(*checks.transfer);
   for (const std::string& line : Judge(summary, checks).Lines()) table << "verdict         " << line << "\n";
   return table.str();
 }

@@ -26,6 +26,7 @@ std::string_view ReportLandscapeScript();    // report_landscape.js
 std::string_view ReportFieldScript();        // report_field.js
 std::string_view ReportWindScript();         // report_wind.js
 std::string_view ReportRepetitionsScript();  // report_repetitions.js
+std::string_view ReportTransferScript();     // report_transfer.js
 
 namespace {
 
@@ -248,8 +249,10 @@ Json DataJson(const FitSummary& summary, const FitChecks& checks, const std::vec
 
 std::string ReportHtml(const FitSummary& summary, const FitChecks& checks, const std::vector<RecordedMotion>& motions) {
   PageParts page = {"Fit report", ReportPage(), {}, /*has_charts=*/true, {ReplayScript(), ReportScript()}};
-  // A page without repetitions, a landscape, field or profile of the wind has nothing of them.
+  // A page without repetitions, predictions of each other, a landscape, field or profile of the wind has nothing of
+  // them.
   if (checks.repetitions) page.scripts.push_back(ReportRepetitionsScript());
+  if (checks.transfer) page.scripts.push_back(ReportTransferScript());
   if (summary.fields) page.scripts.push_back(ReportFieldScript());
   if (checks.wind) page.scripts.push_back(ReportWindScript());
   if (!checks.landscapes.empty()) page.scripts.push_back(ReportLandscapeScript());

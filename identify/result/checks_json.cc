@@ -4,19 +4,12 @@
 
 #include "identify/prediction/bands.h"
 #include "identify/result/named_json.h"
+#include "identify/result/transfer_json.h"
 
 namespace clothid {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json HeldBandCellJson(const HeldBandCell& cell) {
-  return {{"inside", cell.inside},
-          {"measurements", static_cast<long long>(cell.num)},
-          {"median_rmse", cell.rmse},
-          {"crps", cell.score},
-          {"half_width", cell.half_width}};
-}
 
 Json HeldBandsJson(const HeldBands& bands, bool has_only_forces) {
   if (!bands.why_not.empty()) return {{"why_not", bands.why_not}};
@@ -35,6 +28,7 @@ Json HeldBandsJson(const HeldBands& bands, bool has_only_forces) {
     lead.update(HeldBandCellJson(cell));
     json["lead_times"].push_back(lead);
   }
+  json["recordings"] = HeldRecordingsJson(bands.recordings);
   return json;
 }
 

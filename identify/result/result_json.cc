@@ -13,6 +13,7 @@
 #include "identify/result/corrections_json.h"
 #include "identify/result/named_json.h"
 #include "identify/result/repetition_json.h"
+#include "identify/result/transfer_json.h"
 #include "identify/result/uncertainty_json.h"
 #include "identify/result/varying_json.h"
 
@@ -234,6 +235,7 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
   const bool errs = std::any_of(summary.model_errors.begin(), summary.model_errors.end(),
                                 [](const ModelError& error) { return !error.is_zero(); });
   if (errs) json["model_error"] = ModelErrorsJson(summary.model_errors);
+  if (checks.transfer) json["transfer"] = TransferJson(*checks.transfer);
   if (checks.repetitions) json["repetitions"] = RepetitionsJson(*checks.repetitions);
   json["holdout"] = HoldoutJson(checks);
   json["missing_force"] = LastingForcesJson(checks.missing_forces);

@@ -22,6 +22,7 @@
 #include "identify/checks/step_error.h"
 #include "identify/landscape/fit_landscape.h"
 #include "identify/prediction/held_bands.h"
+#include "identify/prediction/transfer.h"
 #include "identify/repetition/repetitions.h"
 #include "identify/verdict/recording_fit.h"
 #include "identify/wind/wind_result.h"
@@ -47,6 +48,7 @@ struct FitChecks {
   std::vector<LeadTimeError> lead_times;     // likewise of rollouts that are corrected up to a launch
   std::vector<CorrectionCheck> corrections;  // of every recording; empty: the fit corrected no rollouts
   std::vector<LastingForce> missing_forces;  // of all recordings together (identify/prediction/force_match.h)
+  std::optional<Transfer> transfer;          // who predicts whom
   std::optional<Repetitions> repetitions;
   std::vector<EnergyGain> energy;                // of every recording; empty: nobody looked
   std::vector<SelfContactAudit> self_contact;    // likewise

@@ -86,6 +86,27 @@ TEST(HeldBandsTest, CellsAreOfLeadTimesAndAddUp) {
   EXPECT_NE(text.find(" to 0.1 s"), std::string::npos) << text;
 }
 
+TEST(HeldBandsTest, EachRecordingIsToldWithUntilWhenItsPredictionIsWorthSomething) {
+  const RecordedMotion motion = Swing(50.0, 1e-3);
+  HeldBands bands = Judge(motion, OfStretch(0.1));
+  ASSERT_EQ(bands.recordings.size(), 1u);
+  EXPECT_EQ(bands.recordings[0].name, motion.name);
+  EXPECT_EQ(bands.recordings[0].all.inside, bands.all.inside);
+  EXPECT_EQ(bands.recordings[0].all.score, bands.all.score);
+  EXPECT_TRUE(std::isinf(bands.recordings[0].worth_until)) << "to the end";
+  RecordedMotion still = motion;
+  still.positions = still.positions.col(0).replicate(1, still.num_frames()).eval();
+  bands = Judge(still, OfStretch(0.1));
+  EXPECT_EQ(bands.recordings[0].worth_until, 0.0);
+  RecordedMotion stops = motion;  // where the motion has come to the half
+  const Eigen::Index half = stops.num_frames() / 2;
+  stops.positions.rightCols(stops.num_frames() - half) =
+      stops.positions.col(0).replicate(1, stops.num_frames() - half).eval();
+  const double until = Judge(stops, OfStretch(0.1)).recordings[0].worth_until;
+  EXPECT_GE(until, 0.4 * stops.times[stops.num_frames() - 1]);
+  EXPECT_LT(until, 0.8 * stops.times[stops.num_frames() - 1]);
+}
+
 TEST(HeldBandsTest, ThreadsChangeNothing) {
   FitPosterior posterior = OfStretch(0.1);
   posterior.forces = {{0.5, 0.05, 0.1}};

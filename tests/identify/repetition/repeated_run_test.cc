@@ -243,5 +243,66 @@ TEST_F(RepeatedRunTest, RefusesWhatContradictsIt) {
   ExpectInvalid(folders, {"--loss: expected recordings as --target"});
 }
 
+// One cloth, held by an edge and by two corners.
+TEST_F(RepeatedRunTest, EachRecordingPredictsTheOthers) {
+  RunOptions options;
+  for (int r = 0; r < 2; ++r) {
+    Json scene = SceneOf(60.0);
+    if (r == 1) scene["handles"] = {0, 3};
+    SyntheticOptions synthetic;
+    synthetic.noise_sigma = 5e-4;
+    synthetic.seed = static_cast<std::uint64_t>(r) + 1;
+    options.target_paths.push_back(folder_.File("t" + std::to_string(r) + ".bin"));
+    WriteMotion(SimulatedText(scene.dump(), synthetic), options.target_paths.back());
+  }
+  options.fit.parameters = {"k_stretch"};
+  options.output = folder_.File("out");
+  options.fit.num_threads = 2;
+  const std::vector<double> joint = [&] {
+    RunOptions alone = options;
+    alone.output.clear();
+    const Eigen::VectorXd values = Identify(alone).summary.values();
+    return std::vector<double>(values.begin(), values.end());
+  }();
+  options.transfer = true;
+  const RunResult result = Identify(options);
+  const Eigen::VectorXd values = result.summary.values();
+  EXPECT_EQ(std::vector<double>(values.begin(), values.end()), joint);
+  EXPECT_FALSE(result.checks.repetitions) << "nobody asked";
+  ASSERT_TRUE(result.checks.transfer);
+  const std::vector<TransferRow>& rows = result.checks.transfer->rows;
+  ASSERT_EQ(rows.size(), 2u);
+  for (std::size_t r = 0; r < 2; ++r) {
+    EXPECT_EQ(rows[r].name, options.target_paths[r]);
+    EXPECT_EQ(rows[r].why_not, "");
+    ASSERT_EQ(rows[r].predicted.size(), 1u);
+    const HeldRecordingBands& other = rows[r].predicted[0];
+    EXPECT_EQ(other.name, options.target_paths[1 - r]);
+    EXPECT_GT(other.all.inside, 0.75) << r;
+    EXPECT_LT(other.all.rmse, 2e-3) << r;
+    EXPECT_TRUE(std::isinf(other.worth_until));
+  }
+  const Json told = Json::parse(Text("out/result.json"))["transfer"];
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_EQ(told[0]["predicted"][0]["name"], options.target_paths[1]);
+  EXPECT_EQ(told[0]["predicted"][0]["inside"].get<double>(), rows[0].predicted[0].all.inside);
+  EXPECT_TRUE(told[0]["predicted"][0]["worth_until_s"].is_null());
+  EXPECT_NE(result.table.find(options.target_paths[0] + " predicts " + options.target_paths[1] + ": "),
+            std::string::npos)
+      << result.table;
+  EXPECT_NE(ReadFile(folder_.File("out/report.html"), kMaxJsonBytes).find("Who predicts whom"), std::string::npos);
+}
+
+TEST_F(RepeatedRunTest, PredictionsOfEachOtherNeedTwoRecordings) {
+  RunOptions options = Options();
+  options.repeat = false;
+  options.transfer = true;
+  options.holdout_draws = 0;
+  ExpectInvalid(options, {"--transfer", "--holdout_draws above 0"});
+  options.holdout_draws = 20;
+  options.target_paths.resize(1);
+  ExpectInvalid(options, {"--transfer", "at least two recordings"});
+}
+
 }  // namespace
 }  // namespace clothid::repeated_run_test

@@ -91,6 +91,7 @@ def identify(
     fit: Names = (),
     *,
     repeat: bool = False,
+    transfer: bool = False,
     each: Names = (),
     field: Names = (),
     field_weight: float = 0.0,
@@ -135,7 +136,8 @@ def identify(
     motions: a Motion or several. fit, each, profile: names of parameters ("mu", "k_stretch", ..); fit=() fits mu and
     k_stretch. start, lower, upper: {name: value}. prior: {name: (median, factor)} or, of mu and signed parameters,
     {name: (mean, standard deviation)}. sigma, time_step, assimilate: a text of the program, or a number in m or s.
-    repeat: the motions are repetitions of one experiment, see `Result.repetitions`. holdout_frames: (first, end).
+    repeat: the motions are repetitions of one experiment, see `Result.repetitions`. transfer: each predicts the
+    others, see `Result.transfer`. holdout_frames: (first, end).
     export: simulators for which `output` gets files, see `Result.export`. output: a folder for the files that the
     program writes; "": none are written.
 
@@ -150,6 +152,7 @@ def identify(
     """
     flags: Dict[str, Any] = {
         "repeat": repeat,
+        "transfer": transfer,
         "fit": _names(fit),
         "each": _names(each),
         "field": _names(field),

@@ -122,6 +122,12 @@ class Result:
         return found
 
     @property
+    def transfer(self) -> Optional[List[Dict[str, Any]]]:
+        """With `transfer`, of result.json: what every recording's own fit predicts of the others; else None."""
+        found: Optional[List[Dict[str, Any]]] = self.data.get("transfer")
+        return found
+
+    @property
     def status(self) -> str:
         """converged, not_converged or interrupted."""
         return str(self.data["status"])
