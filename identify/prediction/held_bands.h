@@ -3,7 +3,8 @@
 // A draw is a rollout of a held-out recording with parameters of the posterior of the fit
 // (identify/prediction/posterior.h), with a draw of the force that its model lacks, and with so much of what half the
 // step and a mesh of twice the density change as identify/prediction/prediction.h says; to what it predicts of a
-// measurement noise is added, of the standard deviation that the recording knows. So the bands are of what is measured.
+// measurement noise is added, of the standard deviation that the recording knows. So the bands are of what is measured;
+// of points that are compared with the surface, as those of clouds, of their distance to it, signed, along its normal.
 // Lead times count from the start of the rollout: what comes after it nothing corrects.
 #ifndef CLOTHID_IDENTIFY_PREDICTION_HELD_BANDS_H_
 #define CLOTHID_IDENTIFY_PREDICTION_HELD_BANDS_H_

@@ -23,8 +23,7 @@ JudgedRows RowsOf(const RecordingModel& model, int num_draws) {
   std::vector<int> points, forces;
   for (int row = 0; row < observation.num_residuals(); ++row) {
     if (!(times[row] > 0.5 * model.scene().time_step)) continue;  // the start itself
-    if (observation.KindOf(row) == PredictedKind::kPoints) points.push_back(row);
-    if (observation.KindOf(row) == PredictedKind::kForces) forces.push_back(row);
+    (observation.KindOf(row) == PredictedKind::kForces ? forces : points).push_back(row);
   }
   const std::vector<int>& all = points.empty() ? forces : points;
   auto stride = static_cast<std::size_t>(std::ceil(static_cast<double>(all.size()) * num_draws / kMostHeldNumbers));

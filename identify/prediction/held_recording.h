@@ -24,7 +24,7 @@ namespace clothid {
 struct JudgedRows {
   std::vector<int> rows;
   Eigen::VectorXd sigma, leads;
-  bool are_forces = false;  // no point was tracked
+  bool are_forces = false;  // no position was seen
 };
 
 class HeldRecording {

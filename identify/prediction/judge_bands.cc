@@ -193,7 +193,7 @@ HeldBands JudgeByBands(const std::vector<RecordedMotion>& motions, const std::ve
   if (bands.all.num > 0.0) {
     Finish(&bands.all);
   } else if (bands.why_not.empty()) {
-    bands.why_not = "neither a tracked point nor a force was held out";
+    bands.why_not = "neither a position nor a force was held out";
   }
   if (!bands.why_not.empty()) {
     bands.leads.clear();

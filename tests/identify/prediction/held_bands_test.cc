@@ -8,6 +8,7 @@
 #include "identify/prediction/judge_bands.h"
 #include "identify/prediction/random_force.h"
 #include "sim/rollout/simulator.h"
+#include "tests/costs/synthetic_clouds.h"
 #include "tests/costs/synthetic_motion.h"
 
 namespace clothid::held_bands_test {
@@ -173,12 +174,32 @@ TEST(HeldBandsTest, OneFactorOnTheForceMakesBandsHoldWhatTheySay) {
   }
 }
 
+// Of a cloud distances to the surface are held: as often as promised where noise is all, less where stretch is wrong.
+TEST(HeldBandsTest, CloudsAreHeldByTheirDistanceToTheSurface) {
+  RecordedMotion motion = Swing(50.0, 1e-12);
+  motion.cloud_sigma = 1e-3;
+  AddClouds(60, 1e-3, /*keep_points=*/false, &motion);
+  HeldBandOptions options;
+  options.num_draws = 60;
+  const HeldBands right = Judge(motion, OfStretch(1e-6), options);
+  EXPECT_EQ(right.why_not, "");
+  EXPECT_NEAR(right.all.inside, 0.9, 0.03);
+  EXPECT_NEAR(right.all.half_width, 1.645e-3, 1e-4);
+  RecordedMotion soft = Swing(20.0, 1e-12);
+  soft.cloud_sigma = 1e-3;
+  AddClouds(60, 1e-3, /*keep_points=*/false, &soft);
+  const HeldBands wrong = Judge(soft, OfStretch(1e-6), options), honest = Judge(soft, OfStretch(0.9), options);
+  EXPECT_LT(wrong.all.inside, right.all.inside - 0.02);
+  EXPECT_GT(honest.all.half_width, wrong.all.half_width);
+  EXPECT_GT(honest.all.inside, wrong.all.inside);
+}
+
 TEST(HeldBandsTest, SaysWhyThereAreNone) {
   const RecordedMotion motion = Swing(50.0, 1e-3);
   EXPECT_EQ(Judge(motion, FitPosterior()).why_not, "no parameter has an interval");
   RecordedMotion unseen = motion;
   unseen.positions.rightCols(motion.num_frames() - 1).setConstant(std::nan(""));
-  EXPECT_EQ(Judge(unseen, OfStretch(0.1)).why_not, "neither a tracked point nor a force was held out");
+  EXPECT_EQ(Judge(unseen, OfStretch(0.1)).why_not, "neither a position nor a force was held out");
 }
 
 }  // namespace
