@@ -65,6 +65,8 @@ TEST_F(TutorialTest, RunsAsItStands) { RunPage("tutorial.md", 10, 7); }
 
 TEST_F(TutorialTest, OfAFabricRunsAsItStands) { RunPage("fabric_tutorial.md", 9, 9); }
 
+TEST_F(TutorialTest, OfPredictionsRunsAsItStands) { RunPage("prediction_tutorial.md", 5, 4); }
+
 TEST(TutorialBlocksTest, NumbersMayDifferALittleAndWordsMayNot) {
   EXPECT_TRUE(LinesAgree("mu  0.297 (4.38 %), 1 of 2", "mu 0.2971   (4.39 %), 1 of 2"));
   EXPECT_FALSE(LinesAgree("mu 0.297", "mu 0.33"));
