@@ -148,6 +148,15 @@ double DrawnValue(const ParameterBlock& block, double deviate) {
   return block.ToValue(is_positive ? std::clamp(block.ToCoordinate(value), lowest, highest) : lowest);
 }
 
+// Of the parameters of its fit, but of recordings' own ones.
+void AddBlocks(Candidate* candidate) {
+  for (const std::string& name : AllNames(candidate->fit)) {
+    const std::optional<ParameterId> id = FindParameter(name);
+    if (id && IsOfRecording(id->kind)) continue;
+    candidate->blocks.push_back(MakeParameterBlock(name, candidate->scene, candidate->fit.overrides));
+  }
+}
+
 }  // namespace
 
 std::vector<Candidate> ReadCandidates(const PlanOptions& options) {
@@ -162,13 +171,16 @@ std::vector<Candidate> ReadCandidates(const PlanOptions& options) {
                                             [&](const Candidate& other) { return Tells(other.scene, name); });
       return !anyone_tells || Tells(candidate.scene, name);
     });
-    for (const std::string& name : AllNames(candidate.fit)) {
-      const std::optional<ParameterId> id = FindParameter(name);
-      if (id && IsOfRecording(id->kind)) continue;
-      candidate.blocks.push_back(MakeParameterBlock(name, candidate.scene, candidate.fit.overrides));
-    }
+    AddBlocks(&candidate);
   }
   return candidates;
+}
+
+Candidate ReadPredicted(const PlanOptions& options) {
+  Candidate predicted = ReadCandidate(options.predicted_path);
+  predicted.fit = Restrict(options.fit, [&](const std::string& name) { return HasParameter(predicted.scene, name); });
+  AddBlocks(&predicted);
+  return predicted;
 }
 
 FitOptions JointOptions(const PlanOptions& options, const std::vector<const Candidate*>& candidates) {

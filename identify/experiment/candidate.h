@@ -22,6 +22,9 @@ struct Candidate {
 // Throws `Error` as `PlanExperiment` does.
 std::vector<Candidate> ReadCandidates(const PlanOptions& options);
 
+// The scene of `PlanOptions::predicted_path`, with blocks of those of the parameters that it has. Throws likewise.
+Candidate ReadPredicted(const PlanOptions& options);
+
 // What a fit of recordings of several candidates is asked for.
 FitOptions JointOptions(const PlanOptions& options, const std::vector<const Candidate*>& candidates);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "identify/base/output_folder.h"
 #include "identify/base/parallel_for.h"
@@ -11,6 +12,7 @@
 #include "identify/experiment/expectation.h"
 #include "identify/experiment/improvement.h"
 #include "identify/experiment/pair.h"
+#include "identify/experiment/prediction_width.h"
 #include "sim/base/error.h"
 
 namespace clothid {
@@ -19,7 +21,12 @@ namespace {
 // One plan, from its scenes to what is expected of each.
 class Planner {
  public:
-  explicit Planner(const PlanOptions& options) : options_(options), candidates_(ReadCandidates(options)) {}
+  explicit Planner(const PlanOptions& options) : options_(options), candidates_(ReadCandidates(options)) {
+    if (options.predicted_path.empty()) return;
+    predicted_.emplace(ReadPredicted(options));
+    plan_.predicted = predicted_->name();
+    plan_.believed_width = predicted_->BelievedWidth();
+  }
 
   Plan Run() {
     SimulateAll();
@@ -107,7 +114,9 @@ class Planner {
     candidate.failure = cloths_[c].front().failure;
     if (!candidate.failure.empty()) return;
     DescribeRecording(c);
-    planned_[c] = std::make_unique<Expectation>(PlannedRows(cloths_[c]), cloths_[c].front().step_errors);
+    const std::vector<ClothRows> rows = PlannedRows(cloths_[c]);
+    planned_[c] = std::make_unique<Expectation>(rows, cloths_[c].front().step_errors);
+    if (predicted_) candidate.prediction_width = predicted_->Width(rows, cloths_[c].front().step_errors);
     const Expectation& planned = *planned_[c];
     for (const std::string& name : plan_.parameters) {
       ExpectedParameter missing;
@@ -153,6 +162,7 @@ class Planner {
     pair.first = static_cast<int>(a);
     pair.second = static_cast<int>(b);
     pair.num_cloths = static_cast<int>(joint.cloths.size());
+    if (predicted_) pair.prediction_width = predicted_->Width(joint.cloths, joint.step_errors);
     for (int i = 0; i < static_cast<int>(expectation.blocks().size()); ++i) {
       pair.parameters.push_back(expectation.Parameter(i));
     }
@@ -172,6 +182,7 @@ class Planner {
   const std::vector<Candidate> candidates_;
   std::vector<std::vector<ClothInformation>> cloths_;  // per candidate, the nominal one first
   std::vector<std::unique_ptr<Expectation>> planned_;  // per candidate; null: it failed
+  std::optional<PredictedMotion> predicted_;           // none: nothing is
   Plan plan_;
 };
 

@@ -81,6 +81,8 @@ std::string PlanTable(const Plan& plan);
 //                   the whole interval), worst, factors of each parameter, tells
 //     information   InformationMap: times_s [T], and of each parameter nodes [N], frames [T], forces
 //   pairs       candidates (two names), cloths, parameters as above
+//   prediction  of PlanOptions::predicted_path: name, scene, believed_width_m; and of every candidate and pair
+//               prediction_width_m (identify/experiment/prediction_width.h)
 //   provenance  version, git, flags
 std::string PlanJson(const PlanOptions& options, const Plan& plan);
 // plan.html: what plan.json says, as pictures: the motion that tells each parameter best, expected intervals as bars on

@@ -8,6 +8,7 @@ namespace clothid {
 PlanOptions ParsePlanFlags(const PlanFlags& flags) {
   PlanOptions options;
   options.scene_paths = ParseNames(flags.scenes, "--scenes");
+  options.predicted_path = flags.predict;
   options.fit.parameters = ParseNames(flags.fit, "--fit");
   options.fit.each = ParseNames(flags.each, "--each");
   options.fit.overrides.start = ParseParameterValues(flags.start, "--start");

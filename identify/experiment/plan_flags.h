@@ -12,7 +12,7 @@ namespace clothid {
 
 // As `plan --help all` explains them, with the values that they have where nobody gives them.
 struct PlanFlags {
-  std::string scenes, fit, each;
+  std::string scenes, predict, fit, each;
   std::string start, lower, upper, prior;
   double sigma = 0.0, frame_rate = 0.0;
   int markers = 0;
@@ -29,6 +29,7 @@ struct PlanFlags {
 template <typename Visit>
 void VisitPlanFlags(PlanFlags* flags, const Visit& visit) {
   visit("scenes", &flags->scenes);
+  visit("predict", &flags->predict);
   visit("fit", &flags->fit);
   visit("each", &flags->each);
   visit("start", &flags->start);

@@ -82,6 +82,7 @@ Json CandidateJson(const Plan& plan, const CandidatePlan& candidate, const std::
   json["failed_cloths"] = candidate.failed_cloths;
   json["worst_told"] = plan.parameters[static_cast<std::size_t>(candidate.worst_told)];
   json["parameters"] = ParametersJson(candidate.parameters);
+  if (!plan.predicted.empty()) json["prediction_width_m"] = candidate.prediction_width;
   json["improvements"] = ImprovementsJson(plan, candidate);
   json["information"] = MapJson(plan, candidate.map);
   return json;
@@ -117,6 +118,11 @@ std::string PlanJson(const PlanOptions& options, const Plan& plan) {
                                plan.candidates[static_cast<std::size_t>(pair.second)].name}},
                              {"cloths", pair.num_cloths},
                              {"parameters", ParametersJson(pair.parameters)}});
+    if (!plan.predicted.empty()) json["pairs"].back()["prediction_width_m"] = pair.prediction_width;
+  }
+  if (!plan.predicted.empty()) {
+    json["prediction"] = {
+        {"name", plan.predicted}, {"scene", options.predicted_path}, {"believed_width_m", plan.believed_width}};
   }
   json["provenance"] = {{"version", Version()}, {"git", GitHash()}, {"flags", options.command_line}};
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";

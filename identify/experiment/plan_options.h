@@ -14,6 +14,8 @@ namespace clothid {
 
 struct PlanOptions {
   std::vector<std::string> scene_paths;  // scene.json of every candidate
+  // A scene.json whose motion is to be predicted (identify/experiment/prediction_width.h); empty: none is.
+  std::string predicted_path;
   // What would be fitted: `parameters`, `each`, `overrides`; and `num_threads`, `cancel`. Starting values are the
   // nominal cloth. Nothing else of it counts. A candidate takes those parameters that its scene has.
   FitOptions fit;

@@ -114,6 +114,32 @@ void AddImprovements(const Plan& plan, const CandidatePlan& candidate, std::ostr
   }
 }
 
+void AddPrediction(const Plan& plan, double width, std::ostringstream* text) {
+  if (plan.predicted.empty()) return;
+  *text << "  prediction of " << plan.predicted << "  +- " << MillimetreText(width, 3)
+        << " by what it does not tell, +- " << MillimetreText(plan.believed_width, 3) << " by what is believed\n";
+}
+
+// What narrows the prediction the most: of single motions, and of pairs.
+void AddBestPrediction(const Plan& plan, std::ostringstream* text) {
+  const CandidatePlan* best = nullptr;
+  for (const CandidatePlan& candidate : plan.candidates) {
+    const bool is_better = best == nullptr || candidate.prediction_width < best->prediction_width;
+    if (candidate.failure.empty() && is_better) best = &candidate;
+  }
+  const auto line = [&](double width, const std::string& names) {
+    *text << Padded("best", kNameWidth + 2) << "prediction of " << plan.predicted << "  +- " << MillimetreText(width, 3)
+          << "  " << names << "\n";
+  };
+  if (best != nullptr) line(best->prediction_width, best->name);
+  const auto pair = std::min_element(plan.pairs.begin(), plan.pairs.end(), [](const auto& a, const auto& b) {
+    return a.prediction_width < b.prediction_width;
+  });
+  if (pair == plan.pairs.end()) return;
+  line(pair->prediction_width, plan.candidates[static_cast<std::size_t>(pair->first)].name + " and " +
+                                   plan.candidates[static_cast<std::size_t>(pair->second)].name);
+}
+
 void AddCandidate(const Plan& plan, const CandidatePlan& candidate, std::ostringstream* text) {
   *text << candidate.name << ": ";
   if (!candidate.failure.empty()) {
@@ -123,6 +149,7 @@ void AddCandidate(const Plan& plan, const CandidatePlan& candidate, std::ostring
   *text << NumberText(candidate.duration, 3) << " s, " << candidate.num_frames << " frames of " << candidate.num_points
         << " points, " << StartWords(candidate.start) << ", " << candidate.num_cloths << " cloths\n";
   AddParameters(candidate.parameters, candidate.num_cloths, text);
+  AddPrediction(plan, candidate.prediction_width, text);
   if (!candidate.failed_cloths.empty()) {
     *text << "  " << candidate.failed_cloths.size()
           << " more cloths could not be simulated; the first: " << candidate.failed_cloths.front() << "\n";
@@ -134,6 +161,7 @@ void AddPair(const Plan& plan, const PairPlan& pair, std::ostringstream* text) {
   *text << plan.candidates[static_cast<std::size_t>(pair.first)].name << " and "
         << plan.candidates[static_cast<std::size_t>(pair.second)].name << ":\n";
   AddParameters(pair.parameters, pair.num_cloths, text);
+  AddPrediction(plan, pair.prediction_width, text);
 }
 
 // Those that tell some parameter best, each once, in the order of the plan.
@@ -161,6 +189,7 @@ std::string PlanTable(const Plan& plan) {
     const CandidatePlan& candidate = plan.candidates[static_cast<std::size_t>(best)];
     text << Padded(IntervalText(candidate.parameters[i]), kIntervalWidth) << candidate.name << "\n";
   }
+  if (!plan.predicted.empty()) AddBestPrediction(plan, &text);
   return text.str();
 }
 

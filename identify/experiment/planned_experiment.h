@@ -81,7 +81,8 @@ struct CandidatePlan {
   int num_cloths = 0;                         // that do
   std::vector<ExpectedParameter> parameters;  // [p] all of the plan
   int worst_told = 0;                         // of `parameters`
-  std::vector<Improvement> improvements;      // what helps the worst told parameter the most comes first
+  double prediction_width = std::numeric_limits<double>::quiet_NaN();  // m; NaN: nothing is predicted
+  std::vector<Improvement> improvements;  // what helps the worst told parameter the most comes first
   InformationMap map;
   NominalMotion motion;
 };
@@ -90,12 +91,16 @@ struct PairPlan {
   int first = 0, second = 0;                  // candidates
   int num_cloths = 0;                         // that both could simulate
   std::vector<ExpectedParameter> parameters;  // of the joint fit; of FitOptions::each one of each recording
+  double prediction_width = std::numeric_limits<double>::quiet_NaN();  // as of CandidatePlan
 };
 
 struct Plan {
   std::vector<std::string> parameters;    // names [p]
   std::vector<CandidatePlan> candidates;  // in the order of the options
   std::vector<PairPlan> pairs;            // of those that did not fail, in that order
+  // What is to be predicted; empty: nothing. And how wide it is by what is believed alone, m.
+  std::string predicted;
+  double believed_width = std::numeric_limits<double>::quiet_NaN();
 
   bool has_any() const;  // some candidate could be simulated
 };

@@ -10,6 +10,8 @@ inline constexpr char kHelp[] = R"(plan: tells before the laboratory which motio
 
   --scenes FILES      candidates, scene.json each (every key:
                       datasets/scene.md), with what is known of the cloth
+  --predict FILE      another scene.json: how wide its prediction would be by
+                      what each motion tells, and which narrows it the most
   --fit NAMES         parameters, as mu, k_stretch, k_bend, density, drag
   --prior LIST        what is believed of them, NAME=MEDIAN:FACTOR[,...], as
                       k_bend=1e-5:2

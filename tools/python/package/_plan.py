@@ -56,6 +56,7 @@ def plan(
     force_sigma: float = 0.01,
     handle_sigma: float = 0.0,
     initial: str = "estimated",
+    predict: Path = "",
     each: Names = (),
     start: Optional[Mapping[str, float]] = None,
     lower: Optional[Mapping[str, float]] = None,
@@ -73,6 +74,7 @@ def plan(
     """
     flags: Dict[str, Any] = {
         "scenes": _paths(scenes),
+        "predict": os.fspath(predict),
         "fit": _names(fit),
         "each": _names(each),
         "start": _values(start or {}),
