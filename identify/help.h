@@ -11,8 +11,7 @@ inline constexpr char kHelp[] = R"(identify: fits friction and stiffness of clot
   --target FILES      recordings (motion.bin), fitted jointly
   --repeat            they repeat one experiment: their scatter, their mean, the
                       next specimen
-  --transfer          each is fitted for itself, too, and predicts the others:
-                      who predicts whom, and how well
+  --transfer          each is fitted alone, too: how well it predicts the others
   --scene FILE        scene.json to use instead of the one in each recording
   --fabric NAME       light, medium, heavy, knit or denim: measured constants in
                       place of those that the scene does not give, and bounds;

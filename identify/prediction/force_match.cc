@@ -20,10 +20,11 @@ constexpr double kLengthShare = 1.0 / 3.0;                    // of the size of 
 
 using LeadSums = Eigen::Array<double, static_cast<Eigen::Index>(kHeldLeads.size()), 1>;
 
-// The mean squares, over sigma^2, of what rollouts of all recordings miss or are moved by, per lead time.
+// The mean squares, m^2, of what rollouts of all recordings miss or are moved by, per lead time.
 struct LeadMeans {
   LeadSums squares = LeadSums::Zero(), num = LeadSums::Zero();
 
+  // `changes` over sigma; `less`: what is taken off their squares.
   void Add(const JudgedRows& judged, const Eigen::VectorXd& changes, double less) {
     for (Eigen::Index row = 0; row < changes.size(); ++row) {
       const auto lead = static_cast<Eigen::Index>(LeadOf(judged.leads[row]));
