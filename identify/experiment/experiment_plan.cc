@@ -182,7 +182,7 @@ class Planner {
   const std::vector<Candidate> candidates_;
   std::vector<std::vector<ClothInformation>> cloths_;  // per candidate, the nominal one first
   std::vector<std::unique_ptr<Expectation>> planned_;  // per candidate; null: it failed
-  std::optional<PredictedMotion> predicted_;           // none: nothing is
+  std::optional<MotionToPredict> predicted_;           // none: nothing is
   Plan plan_;
 };
 

@@ -11,7 +11,7 @@
 
 namespace clothid {
 
-PredictedMotion::PredictedMotion(const Candidate& predicted) : name_(predicted.name), blocks_(predicted.blocks) {
+MotionToPredict::MotionToPredict(const Candidate& predicted) : name_(predicted.name), blocks_(predicted.blocks) {
   if (blocks_.empty()) FailOnData(predicted.path, "expected a scene that has some of the fitted parameters");
   Scene scene = predicted.scene;
   Parameters parameters = scene.nominal_parameters();
@@ -40,7 +40,7 @@ PredictedMotion::PredictedMotion(const Candidate& predicted) : name_(predicted.n
   gram_ /= std::max(num_rows, 1.0);
 }
 
-double PredictedMotion::BelievedWidth() const {
+double MotionToPredict::BelievedWidth() const {
   double square = 0.0;
   for (Eigen::Index i = 0; i < gram_.rows(); ++i) {
     square += gram_(i, i) * std::pow(StdBefore(blocks_[static_cast<std::size_t>(i)]), 2);
@@ -48,7 +48,7 @@ double PredictedMotion::BelievedWidth() const {
   return std::sqrt(square);
 }
 
-Eigen::MatrixXd PredictedMotion::Covariance(const ClothRows& cloth, const Eigen::VectorXd& step_errors) const {
+Eigen::MatrixXd MotionToPredict::Covariance(const ClothRows& cloth, const Eigen::VectorXd& step_errors) const {
   const Eigen::Index size = cloth.rows.cols();
   Eigen::MatrixXd precision = cloth.rows.transpose() * cloth.rows;
   for (Eigen::Index i = 0; i < size; ++i) {
@@ -77,7 +77,7 @@ Eigen::MatrixXd PredictedMotion::Covariance(const ClothRows& cloth, const Eigen:
   return covariance;
 }
 
-double PredictedMotion::Width(const std::vector<ClothRows>& cloths, const Eigen::VectorXd& step_errors) const {
+double MotionToPredict::Width(const std::vector<ClothRows>& cloths, const Eigen::VectorXd& step_errors) const {
   double square = 0.0;
   for (const ClothRows& cloth : cloths) square += Covariance(cloth, step_errors).cwiseProduct(gram_).sum();
   return std::sqrt(square / static_cast<double>(cloths.size()));

@@ -21,11 +21,11 @@
 
 namespace clothid {
 
-class PredictedMotion {
+class MotionToPredict {
  public:
   // One forward sweep of `predicted` (`ReadPredicted`). Throws `Error` (kBadData) where it cannot be simulated, and
   // where it has none of the parameters.
-  explicit PredictedMotion(const Candidate& predicted);
+  explicit MotionToPredict(const Candidate& predicted);
 
   const std::string& name() const { return name_; }
   // m, of cloths of a recording, or of two; `step_errors` [p] of q of its blocks, NaN where not known.

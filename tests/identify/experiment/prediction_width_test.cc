@@ -84,7 +84,7 @@ TEST_F(PredictionWidthTest, OneParameterSpreadsByItsDifference) {
   PlanOptions options = OptionsOf({Swing(kEdge, 0.3)}, Swing(kCorners, 0.3));
   options.fit.parameters = {"drag"};
   const Candidate candidate = ReadPredicted(options);
-  const PredictedMotion predicted(candidate);
+  const MotionToPredict predicted(candidate);
   const auto roll = [&](double drag) {
     Scene scene = candidate.scene;
     scene.material.drag = drag;
@@ -153,7 +153,7 @@ TEST_F(PredictionWidthTest, MotionsAreRankedAsTheirFitsPredict) {
 TEST_F(PredictionWidthTest, AMotionThatHasNoneOfTheParametersIsRefused) {
   PlanOptions options = OptionsOf({Swing(kEdge, 0.1)}, Swing(kCorners, 0.1));
   options.fit.parameters = {"k_warp"};
-  ExpectError([&] { PredictedMotion(ReadPredicted(options)); }, ErrorKind::kBadData, {"other.json", "some of"});
+  ExpectError([&] { MotionToPredict(ReadPredicted(options)); }, ErrorKind::kBadData, {"other.json", "some of"});
 }
 
 }  // namespace
