@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::array<double, 3> kMemories = {0.1, 0.3, 1.0};  // s
 constexpr double kFirstShare = 0.01;                          // of the weight, where sizes are looked for first
+constexpr double kLeastShare = 1e-3;                          // of the weight: less is left out
 constexpr double kLengthShare = 1.0 / 3.0;                    // of the size of the cloth, where nothing tells it
 
 using LeadSums = Eigen::Array<double, static_cast<Eigen::Index>(kHeldLeads.size()), 1>;
@@ -52,7 +53,8 @@ class FittedRollouts {
     }
     estimates_.resize(recordings_.size());
     const auto roll = [&](int r) {
-      estimates_[static_cast<std::size_t>(r)] = recordings_[static_cast<std::size_t>(r)]->RollEstimate(nullptr, 0);
+      estimates_[static_cast<std::size_t>(r)] =
+          recordings_[static_cast<std::size_t>(r)]->RollEstimate(nullptr, 0, Precision::kLoose);
     };
     ParallelFor(static_cast<int>(recordings_.size()), options.num_threads, roll);
   }
@@ -76,7 +78,8 @@ class FittedRollouts {
     const auto roll = [&](int task) {
       const auto r = static_cast<std::size_t>(task / num_draws);
       if (estimates_[r].size() == 0 || IsCancelled()) return;
-      forced[static_cast<std::size_t>(task)] = recordings_[r]->RollEstimate(&sources[r], task % num_draws);
+      forced[static_cast<std::size_t>(task)] =
+          recordings_[r]->RollEstimate(&sources[r], task % num_draws, Precision::kLoose);
     };
     ParallelFor(static_cast<int>(forced.size()), options_.num_threads, roll);
     LeadMeans moved;
@@ -160,9 +163,10 @@ std::vector<LastingForce> MatchForces(const std::vector<RecordedMotion>& motions
   const double length = told ? told->length : kLengthShare * ClothSize(motions.front().scene.mesh);
   double duration = 0.0;
   for (const RecordedMotion& motion : motions) duration = std::max(duration, motion.times[motion.times.size() - 1]);
+  const double weight = WeightOf(motions);
   std::vector<LastingForce> slow;
   for (const double memory : kMemories) {
-    if (memory <= duration) slow.push_back({kFirstShare * WeightOf(motions), memory, length});
+    if (memory <= duration) slow.push_back({kFirstShare * weight, memory, length});
   }
   for (int pass = 0; pass < 2 && !slow.empty(); ++pass) {
     std::vector<LeadSums> moved;
@@ -171,7 +175,8 @@ std::vector<LastingForce> MatchForces(const std::vector<RecordedMotion>& motions
     std::vector<LastingForce> kept;
     for (std::size_t j = 0; j < slow.size(); ++j) {
       const double share = shares[static_cast<Eigen::Index>(j)];
-      if (share > 0.0) kept.push_back({std::sqrt(share) * slow[j].size, slow[j].time, slow[j].length});
+      if (std::sqrt(share) * slow[j].size > kLeastShare * weight)
+        kept.push_back({std::sqrt(share) * slow[j].size, slow[j].time, slow[j].length});
     }
     slow = kept;
   }

@@ -10,7 +10,8 @@
 // and with x_j >= 0 the least of
 //   sum_l ((F_l + sum_j V_lj x_j - E_l)/(F_l + max(E_l, 0)))^2
 // the sizes are sqrt(x_j) g_j. As V is not linear in x far from 1, it is found twice, the second time at the sizes of
-// the first. One motion tells what its model lacks in this motion: of another it may lack more, or less.
+// the first, and less than a thousandth of the weight is left out. Rollouts are as loose as those far from the minimum
+// of a fit. One motion tells what its model lacks in this motion: of another it may lack more, or less.
 #ifndef CLOTHID_IDENTIFY_PREDICTION_FORCE_MATCH_H_
 #define CLOTHID_IDENTIFY_PREDICTION_FORCE_MATCH_H_
 

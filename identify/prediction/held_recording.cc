@@ -87,8 +87,8 @@ Eigen::VectorXd HeldRecording::Roll(int draw, double force_factor) const {
   return residuals;
 }
 
-Eigen::VectorXd HeldRecording::RollEstimate(const ForceSource* force, int draw) const {
-  return RollWithout(motion_, start_, force, draw);
+Eigen::VectorXd HeldRecording::RollEstimate(const ForceSource* force, int draw, Precision precision) const {
+  return RollWithout(motion_, start_, force, draw, precision);
 }
 
 Eigen::VectorXd HeldRecording::RollStill() const {
@@ -149,10 +149,10 @@ Eigen::VectorXd HeldRecording::StartOf(int stream) const {
 }
 
 Eigen::VectorXd HeldRecording::ResidualsOf(const HeldOutBlocks& own, const HeldOutStart& start, RecordingModel* model,
-                                           bool is_still) const {
+                                           bool is_still, Precision precision) const {
   Eigen::MatrixXd predicted;
   ForceTrack forces;
-  const PassOptions pass = {Precision::kFull, options_.cancel};
+  const PassOptions pass = {precision, options_.cancel};
   const Rollout rollout =
       model->Simulate(WithStart(own.coordinates, start), pass, {}, &predicted, /*velocities=*/nullptr, &forces);
   if (!rollout.ok()) return {};
@@ -161,14 +161,14 @@ Eigen::VectorXd HeldRecording::ResidualsOf(const HeldOutBlocks& own, const HeldO
 }
 
 Eigen::VectorXd HeldRecording::RollWithout(const RecordedMotion& motion, const HeldOutStart& start,
-                                           const ForceSource* force, int draw) const {
+                                           const ForceSource* force, int draw, Precision precision) const {
   const HeldOutBlocks own = BlocksFor(motion, recording_, blocks_, values_);
   RecordingModel model(motion, own.blocks, {}, start.start);
   if (force != nullptr) {
     model.Correct(force->Draw(1.0, model.cloth(), model.ParametersAt(own.coordinates).material, model.num_steps(),
                               options_.seed, StreamOf(draw)));
   }
-  return ResidualsOf(own, start, &model);
+  return ResidualsOf(own, start, &model, /*is_still=*/false, precision);
 }
 
 Eigen::VectorXd HeldRecording::RollRefined() const {

@@ -41,7 +41,7 @@ class HeldRecording {
   // failed.
   Eigen::VectorXd Roll(int draw, double force_factor) const;
   // Likewise of the estimates, without noise; `force`: what is added to them, draw `draw` of it, or null.
-  Eigen::VectorXd RollEstimate(const ForceSource* force, int draw) const;
+  Eigen::VectorXd RollEstimate(const ForceSource* force, int draw, Precision precision) const;
   // Of a cloth that stays where it starts, as it is predicted in the first frame.
   Eigen::VectorXd RollStill() const;
   // What half the step and a mesh of twice the density change of residuals [m x 2]; zero where that is not known.
@@ -60,9 +60,10 @@ class HeldRecording {
   Eigen::VectorXd StartOf(int stream) const;
   // `is_still`: as of `RollStill`.
   Eigen::VectorXd ResidualsOf(const HeldOutBlocks& own, const HeldOutStart& start, RecordingModel* model,
-                              bool is_still = false) const;
+                              bool is_still = false, Precision precision = Precision::kFull) const;
   Eigen::VectorXd RollWithout(const RecordedMotion& motion, const HeldOutStart& start,
-                              const ForceSource* force = nullptr, int draw = 0) const;
+                              const ForceSource* force = nullptr, int draw = 0,
+                              Precision precision = Precision::kFull) const;
   Eigen::VectorXd RollRefined() const;
 
   const RecordedMotion& motion_;
