@@ -20,6 +20,7 @@
 #include "identify/prediction/force_match.h"
 #include "identify/prediction/judge_bands.h"
 #include "identify/prediction/posterior.h"
+#include "identify/problem/memory_trial.h"
 #include "identify/problem/problem.h"
 #include "identify/problem/problem_blocks.h"
 #include "identify/repeated_run.h"
@@ -273,7 +274,9 @@ class Run {
     }
   }
 
+  // Where noise is all that the fit leaves, nothing is missing.
   void MatchMissingForces() {
+    if (!summary_.assimilation.is_on() && LeavesNoise(*problem_, summary_.predicted, summary_.cost)) return;
     ForceMatchOptions options;
     options.seed = fit_options_.seed;
     options.num_threads = fit_options_.num_threads;
