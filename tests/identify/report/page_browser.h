@@ -25,7 +25,7 @@ class PageBrowserTest : public ToolTest {
     if (!chromium) GTEST_SKIP() << "the package chromium is absent: install it, or set CHROMIUM to another Chromium";
     try {
       if (!browser_) browser_ = std::make_unique<Browser>(*chromium);
-      browser_->OpenPage(1200, 900);
+      browser_->OpenPage(900, 700);
     } catch (const std::runtime_error&) {
       const ToolResult alone = Run("'" + *chromium + "' --headless=new --no-sandbox --dump-dom about:blank");
       if (alone.exit_code == 0) throw;
