@@ -52,7 +52,8 @@ RunOptions SingleRun(const RunOptions& options, const RecordedMotion& motion, in
   single.calibrates_bands = options.calibrates_bands && options.holdout_frames.has_value();
   single.time_step = options.time_step;
   single.step_tolerance = options.step_tolerance;
-  single.check_recordings = false;  // the joint run has looked
+  single.check_recordings = false;      // the joint run has looked
+  single.finds_missing_forces = false;  // nobody predicts by it, but for what it holds out
   single.wind = options.wind;
   single.discretization = options.discretization;
   single.fit = options.fit;

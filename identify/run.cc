@@ -265,7 +265,8 @@ class Run {
     checks_.uncorrected_error = PredictUncorrected(inputs_.fitted, *problem_, &summary_);
     checks_.lead_times = PredictAhead(inputs_.fitted, *problem_, summary_, fit_options_.loss);
     checks_.corrections = CheckCorrections(inputs_.fitted, *problem_, summary_, fit_options_.loss);
-    if (summary_.uncertainty && !fit_options_.is_cancelled()) MatchMissingForces();
+    const bool predicts = options_.finds_missing_forces || !inputs_.held_out.empty();
+    if (predicts && summary_.uncertainty && !fit_options_.is_cancelled()) MatchMissingForces();
     if (checks_.holdout && summary_.uncertainty && options_.holdout_draws > 0) JudgeBands();
     if (!single_fits_.empty()) checks_.repetitions = Pool(single_fits_, SharedParameters(summary_));
     if (fit_options_.is_cancelled()) {

@@ -40,6 +40,9 @@ struct RunOptions {
   // What `motion check` looks for is looked for in every recording before anything is fitted, held-out ones among them.
   // A problem ends the run.
   bool check_recordings = true;
+  // Finds the slow forces that the model lacks, for predictions of other motions by result.json
+  // (identify/prediction/force_match.h). They are found in any case where measurements are held out.
+  bool finds_missing_forces = true;
   // The fit itself with its callbacks, which see the main fit, and its `cancel`, which ends the whole run.
   FitOptions fit;
   // A wind that changes over the time of every recording, fitted with the parameters; its smoothness is

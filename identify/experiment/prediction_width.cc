@@ -1,12 +1,13 @@
 #include "identify/experiment/prediction_width.h"
 
-#include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 #include "identify/experiment/cloth_information.h"
 #include "sim/base/error.h"
 #include "sim/cloth/cloth_model.h"
 #include "sim/derivative/sensitivity.h"
+#include "sim/matrix/dense.h"
 #include "sim/rollout/simulator.h"
 
 namespace clothid {
@@ -54,7 +55,7 @@ Eigen::MatrixXd MotionToPredict::Covariance(const ClothRows& cloth, const Eigen:
   for (Eigen::Index i = 0; i < size; ++i) {
     precision(i, i) += std::pow(StdBefore(cloth.blocks[static_cast<std::size_t>(i)]), -2);
   }
-  Eigen::MatrixXd told = precision.ldlt().solve(Eigen::MatrixXd::Identity(size, size));
+  Eigen::MatrixXd told = SymmetricFactor(precision).Inverse();
   for (Eigen::Index i = 0; i < step_errors.size(); ++i) {
     if (!std::isnan(step_errors[i])) told(i, i) += step_errors[i] * step_errors[i];
   }

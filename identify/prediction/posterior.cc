@@ -1,6 +1,5 @@
 #include "identify/prediction/posterior.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -13,6 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/base/json_document.h"
 #include "sim/base/text_file.h"
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -314,8 +314,8 @@ Eigen::MatrixXd DrawParameters(const FitPosterior& posterior, int num_draws, std
   const auto size = static_cast<Eigen::Index>(posterior.parameters.size());
   Eigen::MatrixXd values(size, num_draws);
   if (size == 0) return values;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(posterior.covariance);
-  const Eigen::MatrixXd root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const Spectrum spectrum = SymmetricSpectrum(posterior.covariance);
+  const Eigen::MatrixXd root = spectrum.vectors * spectrum.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
   for (int draw = 0; draw < num_draws; ++draw) {
     const Eigen::VectorXd change = root * NormalStream(seed, draw, DrawStream::kParameters).Draw(size, 1);
     for (Eigen::Index i = 0; i < size; ++i) {

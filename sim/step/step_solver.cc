@@ -19,6 +19,13 @@ constexpr int kMaxHalvings = 14;              // of the step length in a line se
 constexpr double kExplosion = 100.0;          // times the residual, which no length may reach
 constexpr double kSmallestIncrement = 1e-2;   // of the share of friction in its continuation
 
+// -(Phi, R).
+StepColumns RightSide(const ContactSet& contacts, const StepPoint& point) {
+  StepColumns right{-point.residual};
+  if (!contacts.pairs.empty()) right.impulses = -point.pairs->residuals.reshaped();
+  return right;
+}
+
 }  // namespace
 
 StepSolver::StepSolver(const ClothModel& model)
@@ -184,8 +191,7 @@ bool StepSolver::FactorAt(const Task& task, const ContactSet& contacts, const St
 // no pairs, with the clamped one.
 bool StepSolver::SolveAt(const Task& task, const ContactSet& contacts, const StepPoint& point, double forcing,
                          StepColumns* direction) {
-  StepColumns right{-point.residual};
-  if (!contacts.pairs.empty()) right.impulses = -point.pairs->residuals.reshaped();
+  const StepColumns right = RightSide(contacts, point);
   const auto solve = [&] {
     const bool solved = jacobian_.Solve(right, forcing, direction);
     task.counts->linear_iterations += jacobian_.iterations();
@@ -205,8 +211,7 @@ bool StepSolver::DirectionByFactorAtHand(const Task& task, const ContactSet& con
                                          double forcing, StepColumns* direction) {
   Assemble(task.problem, HessianKind::kExact, point);
   jacobian_.SetPoint(hessian_, contacts);
-  StepColumns right{-point.residual};
-  if (!contacts.pairs.empty()) right.impulses = -point.pairs->residuals.reshaped();
+  const StepColumns right = RightSide(contacts, point);
   const bool solved = jacobian_.Solve(right, forcing, direction) && direction->velocities.allFinite();
   task.counts->linear_iterations += jacobian_.iterations();
   new_factor_is_due_ = jacobian_.iterations() > refactor_iterations_;

@@ -11,13 +11,9 @@
 namespace clothid {
 namespace {
 
-// Quantiles [R x T] as (5, T), (5, T, 3) or (5, T, G, 3); of a single number (5,).
-py::array_t<double> FromQuantiles(const std::array<Eigen::MatrixXd, 5>& quantiles, DerivedKind kind) {
-  const Eigen::Index num_rows = quantiles[0].rows(), num_frames = quantiles[0].cols();
-  std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(quantiles.size())};
-  if (kind != DerivedKind::kSlip) shape.push_back(num_frames);
-  if (kind == DerivedKind::kForce) shape.push_back(num_rows / 3);
-  if (num_rows >= 3) shape.push_back(3);
+// Quantiles [R x T] as an array (5, shape).
+py::array_t<double> FromMatrices(const std::array<Eigen::MatrixXd, 5>& quantiles, std::vector<py::ssize_t> shape) {
+  shape.insert(shape.begin(), static_cast<py::ssize_t>(quantiles.size()));
   py::array_t<double> array(shape);
   double* next = array.mutable_data();
   for (const Eigen::MatrixXd& quantile : quantiles)
@@ -25,14 +21,18 @@ py::array_t<double> FromQuantiles(const std::array<Eigen::MatrixXd, 5>& quantile
   return array;
 }
 
+// As (5, T), (5, T, 3) or (5, T, G, 3); of a single number (5,).
+py::array_t<double> FromQuantiles(const std::array<Eigen::MatrixXd, 5>& quantiles, DerivedKind kind) {
+  const Eigen::Index num_rows = quantiles[0].rows();
+  std::vector<py::ssize_t> shape;
+  if (kind != DerivedKind::kSlip) shape.push_back(quantiles[0].cols());
+  if (kind == DerivedKind::kForce) shape.push_back(num_rows / 3);
+  if (num_rows >= 3) shape.push_back(3);
+  return FromMatrices(quantiles, shape);
+}
+
 py::array_t<double> FromPositions(const std::array<Eigen::MatrixXd, 5>& quantiles) {
-  const Eigen::Index num_rows = quantiles[0].rows(), num_frames = quantiles[0].cols();
-  py::array_t<double> array({static_cast<py::ssize_t>(quantiles.size()), static_cast<py::ssize_t>(num_frames),
-                             static_cast<py::ssize_t>(num_rows / 3), static_cast<py::ssize_t>(3)});
-  double* next = array.mutable_data();
-  for (const Eigen::MatrixXd& quantile : quantiles)
-    next = std::copy(quantile.reshaped().begin(), quantile.reshaped().end(), next);
-  return array;
+  return FromMatrices(quantiles, {quantiles[0].cols(), quantiles[0].rows() / 3, 3});
 }
 
 py::dict FromShares(const SpreadShares& shares, const FitPosterior& posterior) {
