@@ -1,6 +1,5 @@
 #include "costs/start/start_spread.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -8,6 +7,7 @@
 #include "costs/start/smooth_modes.h"
 #include "costs/start/start_prior.h"
 #include "costs/start/unknown_start.h"
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -31,13 +31,14 @@ Eigen::MatrixXd RootFor(const Eigen::MatrixXd& along, const Eigen::MatrixXd& pre
   const Eigen::Index size = along.cols();
   if (size == 0 || !(deviation > 0.0)) return Eigen::MatrixXd::Zero(size, size);
   const double num_moving = static_cast<double>((along.rowwise().squaredNorm().array() > 0.0).count());
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> eigen(precision,
-                                                                        along.transpose() * along / num_moving);
-  if (eigen.info() != Eigen::Success) throw std::runtime_error("the spread of a start has no modes");
+  const Spectrum mass = SymmetricSpectrum(Eigen::MatrixXd(along.transpose() * along / num_moving));  // M
+  if (!(mass.values[0] > 0.0)) throw std::runtime_error("the spread of a start has no modes");
+  const Eigen::MatrixXd inverse_root = mass.vectors * mass.values.cwiseSqrt().cwiseInverse().asDiagonal();
+  const Spectrum modes = SymmetricSpectrum(Eigen::MatrixXd(inverse_root.transpose() * precision * inverse_root));
   const double variance = deviation * deviation;
-  const Eigen::VectorXd lambda = eigen.eigenvalues().cwiseMax(0.0);
+  const Eigen::VectorXd lambda = modes.values.cwiseMax(0.0);
   const Eigen::ArrayXd parts = (lambda.array() + RidgeFor(lambda, variance)).inverse();
-  return eigen.eigenvectors() * (parts * (variance / parts.sum())).sqrt().matrix().asDiagonal();
+  return inverse_root * modes.vectors * (parts * (variance / parts.sum())).sqrt().matrix().asDiagonal();
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "datasets/curves/tensile_curve.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,6 +11,7 @@
 #include "datasets/motion/noise_estimate.h"
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -223,7 +223,7 @@ class CurveCutter {
     const Eigen::ArrayXd own = strains(rows);
     Eigen::MatrixXd powers(own.size(), 3);
     powers << Eigen::VectorXd::Ones(own.size()), own, own.square();
-    const Eigen::Vector3d parabola = powers.colPivHouseholderQr().solve(widths_(rows));
+    const Eigen::Vector3d parabola = LeastSquaresSolution(powers, widths_(rows));
     if (!(parabola[0] > 0.0 && curve_.widths.minCoeff() > 0.0 && parabola[0] <= kMostOfWidth * curve_.width)) {
       FailOnData(table_.name, "its width at rest is " + ShortestText(parabola[0]) + " m, and " +
                                   ShortestText(curve_.widths.minCoeff()) +

@@ -1,6 +1,5 @@
 #include "identify/prediction/force_match.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include "identify/prediction/held_bands.h"
 #include "identify/prediction/held_recording.h"
 #include "sim/cloth/cloth_model.h"
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -139,7 +139,7 @@ Eigen::VectorXd NonNegativeLeastSquares(const Eigen::MatrixXd& a, const Eigen::V
       if ((kept >> static_cast<unsigned>(j)) & 1U) columns.push_back(j);
     }
     const Eigen::MatrixXd own = a(Eigen::all, columns);
-    const Eigen::VectorXd solution = own.completeOrthogonalDecomposition().solve(b);
+    const Eigen::VectorXd solution = LeastSquaresSolution(own, b);
     const double rest = (own * solution - b).squaredNorm();
     if (!(solution.minCoeff() >= 0.0) || !(rest < least)) continue;
     least = rest;

@@ -11,6 +11,7 @@
 #include "identify/base/parallel_for.h"
 #include "identify/prediction/random_streams.h"
 #include "sim/base/error.h"
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -143,7 +144,7 @@ Eigen::VectorXd HeldRecording::StartOf(int stream) const {
   if (start.num_handle_unknowns() > 0) {
     const Eigen::MatrixXd& root = start.handle_jacobian();
     unknowns.segment(start.num_position_unknowns(), start.num_handle_unknowns()) =
-        root.completeOrthogonalDecomposition().solve(numbers.Draw(root.rows(), 1));
+        LeastSquaresSolution(root, numbers.Draw(root.rows(), 1));
   }
   return unknowns;
 }

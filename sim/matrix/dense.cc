@@ -96,6 +96,31 @@ std::optional<Eigen::VectorXd> LeastSquaresResiduals(const Eigen::MatrixXd& a, c
   return values - basis * (basis.transpose() * values);
 }
 
+Eigen::MatrixXd LeastSquaresSolution(const Eigen::MatrixXd& a, const Eigen::MatrixXd& right) {
+  if (a.size() == 0) return Eigen::MatrixXd::Zero(a.cols(), right.cols());  // Eigen expects an entry
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(a, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::VectorXd& values = svd.singularValues();
+  const double least = RoundingOf(values, std::max(a.rows(), a.cols()));
+  const Eigen::VectorXd inverses = (values.array() > least).select(values.array().inverse(), 0.0);
+  return svd.matrixV() * (inverses.asDiagonal() * (svd.matrixU().transpose() * right));
+}
+
+// The quaternion (1 + cos, from x to) / sqrt(2 (1 + cos)) of unit vectors.
+Eigen::Matrix3d ShortestTurn(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  const Eigen::Vector3d a = from.normalized(), b = to.normalized();
+  const double cosine = a.dot(b);
+  constexpr double kOpposite = -1.0 + 1e-12;
+  if (cosine < kOpposite) {
+    const Eigen::Vector3d axis = a.unitOrthogonal();
+    return 2.0 * axis * axis.transpose() - Eigen::Matrix3d::Identity();
+  }
+  const double root = std::sqrt((1.0 + cosine) * 2.0);
+  Eigen::Quaterniond turn;
+  turn.vec() = a.cross(b) * (1.0 / root);
+  turn.w() = root * 0.5;
+  return turn.toRotationMatrix();
+}
+
 Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& matrix) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
   return svd.matrixU() * svd.matrixV().transpose();

@@ -37,7 +37,7 @@ class RowTurn {
   const Eigen::Matrix3d& To(const Eigen::Matrix3Xd& places) {
     if (is_straight_) {
       const Eigen::Vector3d along = Along(places);
-      rotation_ = Eigen::Quaterniond::FromTwoVectors(along_, along).toRotationMatrix() * rotation_;
+      rotation_ = ShortestTurn(along_, along) * rotation_;
       along_ = along;
     } else {
       rotation_ = RigidMotion(rest_, places).rotation();
@@ -95,7 +95,7 @@ Eigen::Matrix3d TurnTo(const Eigen::Vector3d& to, const Eigen::Matrix3Xd& slopes
   if (!(target.norm() > kAlongRow * to.norm())) {
     throw Error(ErrorKind::kBadData, "expected a direction that leaves the row of nodes");
   }
-  if (!row) return Eigen::Quaterniond::FromTwoVectors(from, target).toRotationMatrix();
+  if (!row) return ShortestTurn(from, target);
   const double angle = std::atan2(row->dot(from.cross(target)), from.dot(target));
   return Eigen::AngleAxisd(angle, *row).toRotationMatrix();
 }

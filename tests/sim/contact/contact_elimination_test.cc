@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "sim/contact/contact_law.h"
-#include "tests/sim/turn_from_z.h"
+#include "sim/matrix/dense.h"
 
 namespace clothid::contact_elimination_test {
 namespace {
@@ -56,7 +56,7 @@ class ContactEliminationTest : public ::testing::Test {
     ContactCandidate candidate;
     candidate.node = node;
     candidate.obstacle = obstacle;
-    const Eigen::Quaterniond tilt = TurnFromZ({0.3 * node, 0.5, 1.0});
+    const Eigen::Matrix3d tilt = ShortestTurn(Eigen::Vector3d::UnitZ(), {0.3 * node, 0.5, 1.0});
     candidate.normal = tilt * Eigen::Vector3d::UnitZ();
     const Eigen::Vector3d in_world = tilt * force;
     const double mu = mu_[obstacle];

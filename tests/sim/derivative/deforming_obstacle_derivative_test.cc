@@ -5,11 +5,11 @@
 #include <Eigen/Core>
 #include <cmath>
 
+#include "sim/matrix/dense.h"
 #include "sim/obstacle/triangulated_surface.h"
 #include "sim/path/rotation_vector.h"
 #include "tests/sim/derivative/moving_obstacle_case.h"
 #include "tests/sim/moving_surfaces.h"
-#include "tests/sim/turn_from_z.h"
 
 namespace clothid::deforming_obstacle_derivative_test {
 namespace {
@@ -32,7 +32,7 @@ Scene DeformingScene(const MovingObstacleParam& param) {
   SceneObstacle& obstacle = scene.obstacles[0];
   TriangleMesh mesh = is_drape ? CubeMesh(0.14) : SlabMesh(1.5, 0);
   Vector3d place = scene.obstacles[0].shape->Closest(Vector3d::Zero()).normal;
-  Eigen::Matrix3d axes = TurnFromZ(place).toRotationMatrix();
+  Eigen::Matrix3d axes = ShortestTurn(Vector3d::UnitZ(), place);
   if (is_drape) {
     axes = ExponentialOf(Vector3d(0.24, 0.32, 0.04)).toRotationMatrix();
     place = Vector3d(0.03, 0.25, -0.35);

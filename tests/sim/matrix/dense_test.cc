@@ -79,6 +79,27 @@ TEST(DenseTest, ResidualsOfLeastSquaresAreNormalToTheColumns) {
   EXPECT_FALSE(LeastSquaresResiduals(Entries(2, 3), Entries(2, 1).col(0)).has_value());
 }
 
+// The residuals are normal to the columns, and x to what the columns do not see.
+TEST(DenseTest, SolutionsOfLeastSquaresAreTheShortest) {
+  for (const Eigen::MatrixXd& a : {Entries(7, 4), WithDependentColumns(), Entries(3, 5)}) {
+    const Eigen::MatrixXd right = Entries(a.rows(), 2), x = LeastSquaresSolution(a, right);
+    EXPECT_LT((a.transpose() * (a * x - right)).norm(), 1e-11) << a;
+    EXPECT_LT((x - GramPseudoInverse(a) * (a.transpose() * a) * x).norm(), 1e-11 * x.norm()) << a;
+  }
+  EXPECT_EQ(LeastSquaresSolution(Eigen::MatrixXd(0, 3), Eigen::MatrixXd(0, 2)), Eigen::MatrixXd::Zero(3, 2));
+}
+
+TEST(DenseTest, TheShortestTurnIsAboutTheAxisAcross) {
+  const Eigen::Vector3d from(0.3, -2.0, 0.5), to(1.0, 0.4, 0.2);
+  const Eigen::Matrix3d turn = ShortestTurn(from, to);
+  EXPECT_TRUE((turn * from.normalized()).isApprox(to.normalized(), 1e-14));
+  EXPECT_TRUE((turn * from.cross(to)).isApprox(from.cross(to), 1e-14));
+  EXPECT_TRUE(ShortestTurn(from, 2.0 * from).isIdentity(1e-14));
+  const Eigen::Matrix3d back = ShortestTurn(from, -from);
+  EXPECT_TRUE((back * from).isApprox(-from, 1e-14));
+  EXPECT_NEAR(back.determinant(), 1.0, 1e-14);
+}
+
 TEST(DenseTest, RigidMotionsAreFound) {
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
   motion.rotate(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1.0, 2.0, -0.5).normalized()));
