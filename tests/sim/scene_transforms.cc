@@ -7,7 +7,7 @@
 namespace clothid {
 namespace {
 
-Shape Moved(Shape shape, const RigidMotion& motion) {
+Shape Moved(Shape shape, const TurnAndShift& motion) {
   shape.point = motion.OfPoints(shape.point);
   shape.end = motion.OfPoints(shape.end);
   shape.normal = motion.OfVectors(shape.normal);
@@ -35,7 +35,7 @@ ParameterRange Rescaled(ParameterRange range, double unit) {
 
 }  // namespace
 
-Eigen::MatrixXd RigidMotion::OfVectors(const Eigen::MatrixXd& vectors) const {
+Eigen::MatrixXd TurnAndShift::OfVectors(const Eigen::MatrixXd& vectors) const {
   Eigen::MatrixXd result(vectors.rows(), vectors.cols());
   for (Eigen::Index row = 0; row < vectors.rows(); row += 3) {
     result.middleRows<3>(row) = rotation * vectors.middleRows<3>(row);
@@ -43,12 +43,12 @@ Eigen::MatrixXd RigidMotion::OfVectors(const Eigen::MatrixXd& vectors) const {
   return result;
 }
 
-Eigen::MatrixXd RigidMotion::OfPoints(const Eigen::MatrixXd& points) const {
+Eigen::MatrixXd TurnAndShift::OfPoints(const Eigen::MatrixXd& points) const {
   const Eigen::VectorXd offset = translation.replicate(points.rows() / 3, 1);
   return OfVectors(points).colwise() + offset;
 }
 
-Scene Moved(const RandomScene& original, const RigidMotion& motion, const RigidMotion& rest) {
+Scene Moved(const RandomScene& original, const TurnAndShift& motion, const TurnAndShift& rest) {
   Scene scene = original.scene;
   scene.mesh.rest_positions = rest.OfPoints(scene.mesh.rest_positions);
   scene.wind.wave_vector = rest.OfVectors(scene.wind.wave_vector);

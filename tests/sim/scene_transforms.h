@@ -13,7 +13,7 @@
 namespace clothid {
 
 // x -> rotation x + translation.
-struct RigidMotion {
+struct TurnAndShift {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();  // m
 
@@ -24,7 +24,7 @@ struct RigidMotion {
 
 // Everything that has a place or a direction: start, handles' path, obstacles, gravity, forces, wind. The rest shape,
 // which only wind knows the place of, is moved by `rest`, which must not translate it where there are gusts.
-Scene Moved(const RandomScene& original, const RigidMotion& motion, const RigidMotion& rest);
+Scene Moved(const RandomScene& original, const TurnAndShift& motion, const TurnAndShift& rest);
 
 // How many new units make an old one: a length of 1 m is `length` new ones. Powers of two, those of mass and length
 // even ones of which a square root is taken, change no bit of a mantissa.

@@ -123,7 +123,7 @@ TEST(FitInvarianceTest, RotationAndTranslation) {
   for (const std::uint64_t seed : PropertySeeds(4)) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     RandomNumbers numbers(seed);
-    const RigidMotion move{numbers.Rotation(), numbers.InCube(3)}, rest{numbers.Rotation(), Eigen::Vector3d::Zero()};
+    const TurnAndShift move{numbers.Rotation(), numbers.InCube(3)}, rest{numbers.Rotation(), Eigen::Vector3d::Zero()};
     for (const FitCase& fit : FitCases(seed)) {
       RecordedMotion moved = fit.motion;
       moved.scene = Moved(fit.scene, move, rest);

@@ -47,7 +47,7 @@ bool AreOfPlainSolves(const Rollout& a, const Rollout& b) {
 void ExpectMost(int compared, std::size_t seeds) { EXPECT_GE(compared, 0.9 * static_cast<double>(seeds)); }
 
 // The largest distance between `rollout` and `moved` seen from where `motion` puts it, relative to the cloth's size.
-double Distance(const Scene& scene, const Rollout& rollout, const RigidMotion& motion, const Rollout& moved) {
+double Distance(const Scene& scene, const Rollout& rollout, const TurnAndShift& motion, const Rollout& moved) {
   double largest = 0.0;
   for (int step = 0; step <= std::min(rollout.num_steps(), moved.num_steps()); ++step) {
     const Eigen::VectorXd expected = motion.OfPoints(rollout.positions(step));
@@ -63,7 +63,7 @@ TEST(InvarianceTest, RotationAndTranslationMoveTheMotionAlong) {
     const RandomScene random = TightScene(seed);
     SCOPED_TRACE(random.description);
     RandomNumbers numbers(seed);
-    RigidMotion motion, rest;
+    TurnAndShift motion, rest;
     motion.rotation = numbers.Rotation();
     rest.rotation = numbers.Rotation();
     const double size = ClothSize(random.scene.mesh);
@@ -158,7 +158,7 @@ TEST(InvarianceTest, ATermWithAZeroCoefficientIsNoTerm) {
     const Rollout expected = Roll(without);
     if (!AreOfPlainSolves(expected, rollout)) continue;
     ++compared;
-    EXPECT_LE(Distance(without, expected, RigidMotion(), rollout), kSame);
+    EXPECT_LE(Distance(without, expected, TurnAndShift(), rollout), kSame);
   }
   ExpectMost(compared, seeds.size());
 }
@@ -180,7 +180,7 @@ TEST(InvarianceTest, AnObstacleOutOfReachChangesNothingAndItsFrictionHasNoGradie
     const Rollout expected = Roll(random.scene);
     if (!AreOfPlainSolves(expected, rollout)) continue;
     ++compared;
-    EXPECT_LE(Distance(with, expected, RigidMotion(), rollout), kSame);
+    EXPECT_LE(Distance(with, expected, TurnAndShift(), rollout), kSame);
     const int far_index = static_cast<int>(with.obstacles.size()) - 1;
     EXPECT_EQ(GradientOfSum(rollout, {{ParameterKind::kFriction, 0, far_index}}, &simulator)[0], 0.0);
   }
@@ -199,7 +199,7 @@ TEST(InvarianceTest, APathThatStandsStillIsNoPath) {
       path.middleRows<3>(3 * i).colwise() = fixed.initial_positions.segment<3>(3 * fixed.handles.nodes[i]);
     }
     standing.handles.path = HandlePath(Eigen::Vector2d(fixed.start_time, fixed.start_time + fixed.duration), path);
-    EXPECT_EQ(Distance(fixed, Roll(fixed), RigidMotion(), Roll(standing)), 0.0);
+    EXPECT_EQ(Distance(fixed, Roll(fixed), TurnAndShift(), Roll(standing)), 0.0);
   }
 }
 
