@@ -18,6 +18,13 @@ constexpr int kBlock = 3;
 constexpr int kRows = 8;
 static_assert(kRows <= kSpareValues);
 
+// From so many products of columns with columns on, an update copies what it multiplies: far apart in a tall supernode,
+// its numbers would be fetched anew for every strip of columns.
+constexpr int kCopiedColumns = 2 * kWidth;
+constexpr int kCopiedDepth = 24;
+// How many numbers of a source are copied at a time: half of what a second cache has.
+constexpr int kCopiedValues = 1 << 15;
+
 // A supernode that is being made, or that is done: `num_rows` x `num_columns` scalars by columns.
 struct Panel {
   double* values;
@@ -34,14 +41,17 @@ struct Update {
   const int* targets;
 };
 
+bool IsCopied(int num_columns, int depth) { return num_columns >= kCopiedColumns && depth >= kCopiedDepth; }
+
 // The columns of a tile [kRows x kColumns].
 template <typename Rows, int kColumns>
 struct Tile {
-  // Adds the sum over k of a[., k] b[j, k] to column j, where both are rows of one matrix by columns.
-  CLOTHID_ALWAYS_INLINE void SetProducts(const double* a, const double* b, std::ptrdiff_t stride, int depth) {
+  // Column j becomes the sum over k of a[., k] b[j, k], of two matrices by columns.
+  CLOTHID_ALWAYS_INLINE void SetProducts(const double* a, std::ptrdiff_t a_stride, const double* b,
+                                         std::ptrdiff_t b_stride, int depth) {
     CLOTHID_UNROLL
     for (int j = 0; j < kColumns; ++j) columns[j].SetZero();
-    for (int k = 0; k < depth; ++k, a += stride, b += stride) {
+    for (int k = 0; k < depth; ++k, a += a_stride, b += b_stride) {
       Rows rows;
       rows.Load(a);
       CLOTHID_UNROLL
@@ -135,12 +145,72 @@ struct Arithmetic {
     }
     for (int row = first; row < update.num_rows; row += kRows) {
       Tile<Rows, kColumns> tile;
-      tile.SetProducts(update.source + row, update.source + first, update.stride, update.depth);
+      tile.SetProducts(update.source + row, update.stride, update.source + first, update.stride, update.depth);
       tile.SubtractFrom(update.targets + row, update.num_rows - row, to);
     }
   }
 
-  CLOTHID_ALWAYS_INLINE static void Subtract(const Update& update, const Panel& panel) {
+  // The same of the rows from `begin` to `end`, which are copied: by tiles in `tiles`, those of the strip in `strip`.
+  // What a tile has above the diagonal goes there, where it means nothing.
+  template <int kColumns>
+  CLOTHID_ALWAYS_INLINE static void SubtractCopied(const Update& update, int first, int begin, int end,
+                                                   const double* tiles, const double* strip, const Panel& panel) {
+    double* to[kColumns];
+    for (int j = 0; j < kColumns; ++j) {
+      to[j] = panel.values + static_cast<std::ptrdiff_t>(update.targets[first + j]) * panel.num_rows;
+    }
+    const int skipped = std::max(first - begin, 0) / kRows;
+    tiles += static_cast<std::ptrdiff_t>(skipped) * kRows * update.depth;
+    for (int row = begin + skipped * kRows; row < end; row += kRows, tiles += kRows * update.depth) {
+      Tile<Rows, kColumns> tile;
+      tile.SetProducts(tiles, kRows, strip, kColumns, update.depth);
+      tile.SubtractFrom(update.targets + row, update.num_rows - row, to);
+    }
+  }
+
+  // Rows of the source by tiles: kRows numbers of each column in turn.
+  CLOTHID_ALWAYS_INLINE static void CopyTiles(const Update& update, int begin, int end, double* to) {
+    for (int k = 0; k < update.depth; ++k) {
+      const double* const from = update.source + k * update.stride;
+      double* tile = to + k * kRows;
+      for (int row = begin; row < end; row += kRows, tile += kRows * update.depth) {
+        Rows rows;
+        rows.Load(from + row);
+        rows.Store(tile);
+      }
+    }
+  }
+
+  CLOTHID_ALWAYS_INLINE static void CopyStrip(const Update& update, int first, int num_columns, double* to) {
+    for (int k = 0; k < update.depth; ++k) {
+      const double* const from = update.source + k * update.stride + first;
+      for (int j = 0; j < num_columns; ++j) *to++ = from[j];
+    }
+  }
+
+  CLOTHID_ALWAYS_INLINE static void SubtractWithCopies(const Update& update, const Panel& panel, double* scratch) {
+    double* const tiles = scratch + static_cast<std::ptrdiff_t>(update.num_columns) * update.depth;
+    for (int first = 0; first < update.num_columns; first += kWidth) {
+      CopyStrip(update, first, std::min(kWidth, update.num_columns - first),
+                scratch + static_cast<std::ptrdiff_t>(first) * update.depth);
+    }
+    const int num_at_once = kRows * std::max(kCopiedValues / (kRows * update.depth), 1);
+    for (int begin = 0; begin < update.num_rows; begin += num_at_once) {
+      const int end = std::min(begin + num_at_once, update.num_rows);
+      CopyTiles(update, begin, end, tiles);
+      for (int first = 0; first < std::min(update.num_columns, end); first += kWidth) {
+        const double* const strip = scratch + static_cast<std::ptrdiff_t>(first) * update.depth;
+        if (first + kWidth <= update.num_columns) {
+          SubtractCopied<kWidth>(update, first, begin, end, tiles, strip, panel);
+        } else {
+          SubtractCopied<kBlock>(update, first, begin, end, tiles, strip, panel);
+        }
+      }
+    }
+  }
+
+  CLOTHID_ALWAYS_INLINE static void Subtract(const Update& update, const Panel& panel, double* scratch) {
+    if (IsCopied(update.num_columns, update.depth)) return SubtractWithCopies(update, panel, scratch);
     int first = 0;
     for (; first + kWidth <= update.num_columns; first += kWidth) SubtractStrip<kWidth>(update, first, panel);
     if (first < update.num_columns) SubtractStrip<kBlock>(update, first, panel);
@@ -152,14 +222,14 @@ struct Arithmetic {
     double* const own = panel.values + first * stride;
     const double* const b = panel.values + first;
     Tile<Rows, kColumns> products, tile;
-    products.SetProducts(b, b, stride, first);
+    products.SetProducts(b, stride, b, stride, first);
     tile.SetDifferences(products, own + first, stride);
     double diagonal[kColumns][kRows];
     if (!tile.Factor(diagonal)) return false;
     const int num_rows = std::min(panel.num_rows - first, kRows);
     for (int j = 0; j < kColumns; ++j) std::copy_n(diagonal[j], num_rows, own + first + j * stride);
     for (int row = first + kRows; row < panel.num_rows; row += kRows) {
-      products.SetProducts(panel.values + row, b, stride, first);
+      products.SetProducts(panel.values + row, stride, b, stride, first);
       tile.SetDifferences(products, own + row, stride);
       tile.Solve(diagonal);
       tile.Store(panel.num_rows - row, stride, own + row);
@@ -178,17 +248,21 @@ struct Arithmetic {
 
 // What an instruction set has.
 struct Kernels {
-  void (*subtract)(const Update& update, const Panel& panel);
+  void (*subtract)(const Update& update, const Panel& panel, double* scratch);
   bool (*factor)(const Panel& panel);  // false: not positive definite
 };
 
 using CommonArithmetic = Arithmetic<CommonLanes<double>::Eight>;
-void SubtractByCommon(const Update& update, const Panel& panel) { CommonArithmetic::Subtract(update, panel); }
+void SubtractByCommon(const Update& update, const Panel& panel, double* scratch) {
+  CommonArithmetic::Subtract(update, panel, scratch);
+}
 bool FactorByCommon(const Panel& panel) { return CommonArithmetic::Factor(panel); }
 
 #if CLOTHID_HAS_AVX2
 using Avx2Arithmetic = Arithmetic<Avx2Lanes<double>::Eight>;
-CLOTHID_AVX2 void SubtractByAvx2(const Update& update, const Panel& panel) { Avx2Arithmetic::Subtract(update, panel); }
+CLOTHID_AVX2 void SubtractByAvx2(const Update& update, const Panel& panel, double* scratch) {
+  Avx2Arithmetic::Subtract(update, panel, scratch);
+}
 CLOTHID_AVX2 bool FactorByAvx2(const Panel& panel) { return Avx2Arithmetic::Factor(panel); }
 #endif
 
@@ -288,16 +362,21 @@ class Worker {
       target[1] = row + 1;
       target[2] = row + 2;
     }
-    matrices_.kernels.subtract(
-        {source.values + 3 * static_cast<std::ptrdiff_t>(update.first), source.num_rows, source.num_columns,
-         3 * (update.last - update.first), source.num_rows - 3 * update.first, targets_.data()},
-        panel);
+    const int num_columns = 3 * (update.last - update.first);
+    if (IsCopied(num_columns, source.num_columns)) {
+      const std::size_t size = static_cast<std::size_t>(num_columns + kRows) * source.num_columns + kCopiedValues;
+      if (scratch_.size() < size) scratch_.resize(size);
+    }
+    matrices_.kernels.subtract({source.values + 3 * static_cast<std::ptrdiff_t>(update.first), source.num_rows,
+                                source.num_columns, num_columns, source.num_rows - 3 * update.first, targets_.data()},
+                               panel, scratch_.data());
   }
 
   const Matrices& matrices_;
   const Supernodes& supernodes_;
-  std::vector<int> positions_;  // of the rows of A in the supernode
-  std::vector<int> targets_;    // of the rows of an update in the supernode, by scalars
+  std::vector<int> positions_;   // of the rows of A in the supernode
+  std::vector<int> targets_;     // of the rows of an update in the supernode, by scalars
+  std::vector<double> scratch_;  // for copies
 };
 
 // The branches, each a task, then the supernodes of the trunk. Threads take them in that order, so that whoever waits
