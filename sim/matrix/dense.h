@@ -68,8 +68,8 @@ std::optional<Eigen::VectorXd> LeastSquaresResiduals(const Eigen::MatrixXd& a, c
 // x [n x s] of least squares, A x = `right`, for any A [m x n]: of all that are equally good the shortest, by columns.
 Eigen::MatrixXd LeastSquaresSolution(const Eigen::MatrixXd& a, const Eigen::MatrixXd& right);
 
-// The smallest rotation that takes the direction of `from` to that of `to`; where they are opposite, a half turn about an
-// axis across them. Neither is zero.
+// The smallest rotation that takes the direction of `from` to that of `to`; where they are opposite, a half turn about
+// an axis across them. Neither is zero.
 Eigen::Matrix3d ShortestTurn(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 
 // The rotation that is nearest to a matrix that is nearly one.
