@@ -193,4 +193,19 @@ Eigen::MatrixXd ClothModel::ScatterColumns(const Eigen::MatrixXd& free) const {
   return all;
 }
 
+Eigen::MatrixXd ClothModel::GatherHandles(const Eigen::MatrixXd& all) const {
+  const std::vector<int>& nodes = scene_->handles.nodes;
+  const auto num_handles = static_cast<Eigen::Index>(nodes.size());
+  Eigen::MatrixXd held(3 * num_handles, all.cols());
+  for (Eigen::Index i = 0; i < num_handles; ++i) held.middleRows<3>(3 * i) = all.middleRows<3>(3 * nodes[i]);
+  return held;
+}
+
+Eigen::MatrixXd ClothModel::ScatterHandles(const Eigen::MatrixXd& held) const {
+  const std::vector<int>& nodes = scene_->handles.nodes;
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(3 * num_nodes(), held.cols());
+  for (Eigen::Index i = 0; 3 * i < held.rows(); ++i) all.middleRows<3>(3 * nodes[i]) = held.middleRows<3>(3 * i);
+  return all;
+}
+
 }  // namespace clothid

@@ -48,6 +48,9 @@ class ClothModel {
   Eigen::MatrixXd GatherColumns(const Eigen::MatrixXd& all) const;
   void Scatter(const Eigen::VectorXd& free, Eigen::VectorXd* all) const;
   Eigen::MatrixXd ScatterColumns(const Eigen::MatrixXd& free) const;  // zero at handles
+  // Likewise between columns over the handles [3H x s], in the order of the scene's, and those over all nodes.
+  Eigen::MatrixXd GatherHandles(const Eigen::MatrixXd& all) const;
+  Eigen::MatrixXd ScatterHandles(const Eigen::MatrixXd& held) const;  // zero at free nodes
 
   const std::shared_ptr<const BlockPattern>& pattern() const { return pattern_; }
   // All that acts on the cloth but contact: in the cloth and by the air by direction, and on every node by itself.

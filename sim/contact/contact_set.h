@@ -12,6 +12,8 @@ namespace clothid {
 struct ContactSet {
   std::vector<Contact> nodes;      // with obstacles, ascending
   std::vector<PairContact> pairs;  // of the cloth with itself, ascending
+
+  bool empty() const { return nodes.empty() && pairs.empty(); }
 };
 
 }  // namespace clothid

@@ -20,24 +20,15 @@ namespace clothid {
 namespace {
 
 // Row p += dC/dtheta_p through the step alone.
-void AddParameterGradient(const StepRecord& record, const std::vector<ParameterId>& parameters,
-                          const Eigen::MatrixXd& z, const Eigen::MatrixXd& y, const StepDerivative& step,
-                          Eigen::MatrixXd* gradient) {
+void AddParameterGradient(const std::vector<ParameterId>& parameters, const StepColumns& z, const Eigen::MatrixXd& y,
+                          const StepDerivative& step, Eigen::MatrixXd* gradient) {
   for (size_t p = 0; p < parameters.size(); ++p) {
     if (!IsOfContact(parameters[p].kind)) {
       gradient->row(p) -= step.MomentumDerivative(parameters[p]).transpose() * y;
-    } else if (!record.contacts.empty()) {
-      gradient->row(p) += step.ImpulseDerivative(parameters[p]).transpose() * z;
-    }
-  }
-}
-
-// The same through the contacts of the cloth with itself, whose equations have the multipliers `rho`.
-void AddPairGradient(const std::vector<ParameterId>& parameters, const Eigen::MatrixXd& rho,
-                     const PairDerivative& pairs, Eigen::MatrixXd* gradient) {
-  for (size_t p = 0; p < parameters.size(); ++p) {
-    if (parameters[p].kind == ParameterKind::kSelfFriction) {
-      gradient->row(p) -= pairs.FrictionDerivative().transpose() * rho;
+    } else if (!step.contacts().empty()) {
+      const StepColumns change = step.ImpulseDerivative(parameters[p]);
+      gradient->row(p) += change.velocities.col(0).transpose() * z.velocities;
+      gradient->row(p) += change.impulses.col(0).transpose() * z.impulses;
     }
   }
 }
@@ -86,22 +77,26 @@ class ReverseSweep {
   void PullBackSolve(const StepRecord& record, const SolveStart& start, const Eigen::MatrixXd* by_pair_forces) {
     StepDerivative step(record, start, parameters_, simulator_, &sizes_);
     if (record.ends_step()) handles_.EnterStep(record);
-    Eigen::MatrixXd by_impulse, by_pairs;  // by r_1 and by r of pairs, where impacts make them count
-    if (record.stage == Stage::kFirst) by_impulse = LeaveSecondStart(record, start, step, &by_pairs);
-    if (step.pairs() == nullptr) by_pair_forces = nullptr;
-    if (by_pair_forces != nullptr) {
-      by_pairs = step.pairs()->SpreadTransposed(*by_pair_forces / record.time_step, PairNodes::kHandles);
+    StepColumns by_impulses;  // by r_1 and by r of pairs, where impacts make them count
+    if (record.stage == Stage::kFirst) by_impulses = LeaveSecondStart(record, start, step);
+    const bool has_impacts = by_impulses.velocities.size() > 0;
+    StepColumns right{lambda_.velocities + record.time_step * lambda_.positions,
+                      Eigen::MatrixXd::Zero(step.num_impulses(), lambda_.positions.cols())};
+    if (has_impacts) {
+      right += step.TimesUnknownsTransposed(by_impulses.velocities);
+      right.impulses += by_impulses.impulses;
     }
-    StepColumns right{lambda_.velocities + record.time_step * lambda_.positions}, multipliers;
-    if (by_impulse.size() > 0) right.velocities += step.TimesVelocity(by_impulse);
-    if (step.pairs() != nullptr) right.impulses = PairSide(*step.pairs(), by_impulse, std::move(by_pairs));
+    Eigen::MatrixXd by_start;  // by x_n, through the forces of pairs upon handles
+    if (by_pair_forces != nullptr) {
+      by_start = Eigen::MatrixXd::Zero(lambda_.positions.rows(), lambda_.positions.cols());
+      step.AddHandleForcesTransposed(*by_pair_forces, &right.impulses, &by_start);
+    }
+    StepColumns z;
     Eigen::MatrixXd y;
-    solver_.Solve(record, right, &step, &multipliers, &y, &gradient_->work);
-    const Eigen::MatrixXd &z = multipliers.velocities, &rho = multipliers.impulses;
-    if (by_impulse.size() > 0) y -= by_impulse;
-    AddParameterGradient(record, ids_, z, y, step, &gradient_->parameters);
-    if (step.pairs() != nullptr) AddPairGradient(ids_, rho, *step.pairs(), &gradient_->parameters);
-    handles_.AddSolve(record, start, y, step.pairs(), rho);
+    solver_.Solve(record, right, &step, &z, &y, &gradient_->work);
+    if (has_impacts) y -= by_impulses.velocities;
+    AddParameterGradient(ids_, z, y, step, &gradient_->parameters);
+    handles_.AddSolve(record, start, step, {y, z.impulses});
     fields_.AddSolve(record, start, y);
     lambda_.velocities = step.TimesMass(y);
     lambda_.positions -= step.TimesStartTransposed(y);
@@ -110,12 +105,10 @@ class ReverseSweep {
       lambda_.velocities -= record.time_step * by_prediction;
       lambda_.positions -= by_prediction;
     }
-    if (!record.contacts.empty()) lambda_.positions -= step.TimesFramesTransposed(z);
-    if (step.pairs() != nullptr) lambda_.positions -= step.pairs()->TimesGeometryTransposed(rho);
+    if (!step.contacts().empty()) lambda_.positions -= step.TimesFramesTransposed(z);
     if (by_pair_forces != nullptr) {
       handles_.AddPairForces(*by_pair_forces);
-      lambda_.positions -= step.pairs()->TimesWeightsTransposed(*by_pair_forces / record.time_step, PairNodes::kFree,
-                                                                PairNodes::kHandles);
+      lambda_.positions += by_start;
     }
     if (record.stage == Stage::kFirst) {
       lambda_.positions += by_start_.positions;
@@ -132,14 +125,6 @@ class ReverseSweep {
   }
 
  private:
-  // Of the equations of pairs [3c x s], from gradients by the impulses of obstacles and pairs, which may be empty.
-  Eigen::MatrixXd PairSide(const PairDerivative& pairs, const Eigen::MatrixXd& by_impulse,
-                           Eigen::MatrixXd by_pairs) const {
-    if (by_pairs.size() == 0) by_pairs = Eigen::MatrixXd::Zero(pairs.num_rows(), lambda_.positions.cols());
-    if (by_impulse.size() > 0) by_pairs -= pairs.SpreadTransposed(by_impulse, PairNodes::kFree);
-    return by_pairs;
-  }
-
   // From x_s and v_s, with y of the second stage, on the way to x_1, v_1 and the start of the step.
   void EnterSecondStart(const StepDerivative& step, const Eigen::MatrixXd& y) {
     by_second_ = lambda_;
@@ -150,9 +135,7 @@ class ReverseSweep {
   }
 
   // The rest of that way, now that the first stage is at hand. Returns the gradient by its impulses, if they count.
-  // `by_pairs`: likewise by the impulses of pairs.
-  Eigen::MatrixXd LeaveSecondStart(const StepRecord& first, const SolveStart& start, const StepDerivative& step,
-                                   Eigen::MatrixXd* by_pairs) {
+  StepColumns LeaveSecondStart(const StepRecord& first, const SolveStart& start, const StepDerivative& step) {
     const SecondStartDerivative second(first, start, step, parameters_, simulator_->model());
     second.AddTransposed(by_second_, &by_start_, &lambda_);
     if (!second.has_impacts()) return {};
@@ -166,7 +149,7 @@ class ReverseSweep {
             second.MotionDerivative(step.MotionChanges(ids_[p])).transpose() * by_second_.velocities;
       }
     }
-    return second.AddImpactsTransposed(by_second_, &by_start_, &lambda_, by_pairs);
+    return second.AddImpactsTransposed(by_second_, &by_start_, &lambda_);
   }
 
   const Parameters& parameters_;
@@ -214,7 +197,7 @@ RolloutGradient PullBack(const Rollout& rollout, const std::vector<ParameterId>&
                                reader.start_positions(first_record(step_number)), record);
     }
     if (ends_step) add_seed(step_number, add_position_gradient);
-    const bool has_forces = ends_step && add_pair_force_gradient && !record.pairs.empty();
+    const bool has_forces = ends_step && add_pair_force_gradient;
     if (has_forces) {
       by_pair_forces.setZero(3 * static_cast<Eigen::Index>(simulator->scene().handles.nodes.size()), num_columns);
       add_pair_force_gradient(step_number, &by_pair_forces);

@@ -25,15 +25,14 @@ AdjointSolver::AdjointSolver(const AdjointOptions& options, const Parameters& pa
 
 void AdjointSolver::Solve(const StepRecord& record, const StepColumns& right, StepDerivative* step, StepColumns* z,
                           Eigen::MatrixXd* y, AdjointWork* work) {
-  const bool has_pairs = step->pairs() != nullptr;
-  if (has_pairs && method_ != AdjointMethod::kReduced) {
+  if (step->num_impulses() > 0 && method_ != AdjointMethod::kReduced) {
     throw Error(ErrorKind::kUsage, "contacts of the cloth with itself: expected the adjoint method \"reduced\"");
   }
   ++work->solves;
   if (SolveByMethod(record, right, step, z, y, work)) return;
   ++work->failed_solves;
   const ScopedTimer timer(&work->fallback_seconds);
-  if (has_pairs || !step->Factor(StepJacobian::Method::kLu) || !SolveByStepJacobian(right, step, z, y, work)) {
+  if (!step->Factor(StepJacobian::Method::kLu) || !SolveByStepJacobian(right, step, z, y, work)) {
     throw std::runtime_error("singular step Jacobian");
   }
 }
@@ -48,6 +47,7 @@ bool AdjointSolver::SolveByMethod(const StepRecord& record, const StepColumns& r
       return step->Factor(StepJacobian::Method::kLu) && SolveByStepJacobian(right, step, z, y, work);
     case AdjointMethod::kFixedPoint:
     case AdjointMethod::kSystemGmres:
+      z->impulses = right.impulses;  // none
       return SolveByIteration(record, *step, right.velocities, &z->velocities, y, work);
   }
   return false;
@@ -67,7 +67,7 @@ bool AdjointSolver::SolveByIteration(const StepRecord& record, const StepDerivat
   std::optional<AdjointSystem> system;
   {
     const ScopedTimer timer(&seconds.contact);
-    system.emplace(simulator_->model(), step.contacts(), record.velocities, parameters_,
+    system.emplace(simulator_->model(), step.contacts().nodes, record.velocities, parameters_,
                    simulator_->step_solver().hessian());
   }
   const ScopedTimer timer(&seconds.solution);

@@ -32,9 +32,9 @@ HandleCoupling::HandleCoupling(const ClothModel& model)
       hessian_(whole_.pattern()) {}
 
 void HandleCoupling::SetStep(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
-                             const PairDerivative* pairs) {
+                             const StepDerivative& step) {
   record_ = &record;
-  pairs_ = pairs;
+  pairs_ = &step.pairs();
   whole_.SetVariation(parameters);
   parameters_ = &parameters;
   times_ = {record.time};
@@ -42,7 +42,7 @@ void HandleCoupling::SetStep(const StepRecord& record, const SolveStart& start, 
   const ForceSet& forces = whole_.forces();
   SetForceStart(forces, start, record.time_step, model_.scene().handles.nodes, record.positions, &held_.start);
   forces.Hold(parameters, record.time, &held_);
-  if (forces.needs_origins() || forces.needs_velocities() || pairs != nullptr) {
+  if (forces.needs_origins() || forces.needs_velocities() || !pairs_->is_empty()) {
     if (start.first_positions == nullptr) {
       times_.push_back(record.time - record.time_step);
       origins_ = {{&start.positions, 1.0}};
@@ -55,24 +55,6 @@ void HandleCoupling::SetStep(const StepRecord& record, const SolveStart& start, 
   AssembleStepHessian(whole_, HessianKind::kExact, point(), held_, &hessian_);
 }
 
-Eigen::MatrixXd HandleCoupling::FromHandles(const Eigen::MatrixXd& columns) const {
-  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(3 * model_.num_nodes(), columns.cols());
-  const std::vector<int>& nodes = model_.scene().handles.nodes;
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    all.middleRows<3>(3 * nodes[i]) = columns.middleRows<3>(3 * static_cast<Eigen::Index>(i));
-  }
-  return all;
-}
-
-Eigen::MatrixXd HandleCoupling::HandleRows(const Eigen::MatrixXd& all) const {
-  const std::vector<int>& nodes = model_.scene().handles.nodes;
-  Eigen::MatrixXd rows(3 * static_cast<Eigen::Index>(nodes.size()), all.cols());
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    rows.middleRows<3>(3 * static_cast<Eigen::Index>(i)) = all.middleRows<3>(3 * nodes[i]);
-  }
-  return rows;
-}
-
 // K = M + h C + h^2 H. Its masses, and drag that is the same in every direction, stand on the diagonal: they do not
 // reach from a handle to a free node.
 Eigen::MatrixXd HandleCoupling::TimesHessian(const Eigen::MatrixXd& all) const {
@@ -83,62 +65,49 @@ ForcePoint HandleCoupling::point() const {
   return {*parameters_, record_->time_step, record_->time, record_->positions, record_->velocities};
 }
 
-Eigen::MatrixXd HandleCoupling::Times(int place, const Eigen::MatrixXd& columns) const {
-  const Eigen::MatrixXd all = FromHandles(columns);
+StepColumns HandleCoupling::Times(int place, const Eigen::MatrixXd& columns) const {
+  const Eigen::MatrixXd all = model_.ScatterHandles(columns);
   const ForceSet& forces = whole_.forces();
+  const Eigen::MatrixXd by_speed = pairs_->speeds * all / record_->time_step;
   if (place == 0) {
     Eigen::MatrixXd product = TimesHessian(all);
     forces.AddPredictionProduct(-record_->time_step, point(), held_, all, &product);
-    return model_.GatherColumns(product);
+    return {model_.GatherColumns(product), by_speed};
   }
   const Origin& origin = origins_[place - 1];
-  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(all.rows(), all.cols());
+  Eigen::MatrixXd product = pairs_->weights * all;
   forces.AddOriginProduct(record_->time_step, point(), *origin.positions, all, &product);
   forces.AddVelocityProduct(-1.0, point(), held_, all, &product);
-  Eigen::MatrixXd free = model_.GatherColumns(product);
-  if (pairs_ != nullptr) free += pairs_->TimesWeights(columns, PairNodes::kHandles);
-  return origin.share * free;
+  return {origin.share * model_.GatherColumns(product), origin.share * (pairs_->geometry * all - by_speed)};
 }
 
-Eigen::MatrixXd HandleCoupling::TimesTransposed(int place, const Eigen::MatrixXd& columns) const {
-  const Eigen::MatrixXd all = model_.ScatterColumns(columns);
+Eigen::MatrixXd HandleCoupling::TimesTransposed(int place, const StepColumns& columns) const {
+  const Eigen::MatrixXd all = model_.ScatterColumns(columns.velocities);
   const ForceSet& forces = whole_.forces();
+  const Eigen::MatrixXd by_speed = pairs_->speeds.transpose() * columns.impulses / record_->time_step;
   if (place == 0) {
-    Eigen::MatrixXd product = TimesHessian(all);
+    Eigen::MatrixXd product = TimesHessian(all) + by_speed;
     forces.AddPredictionProductTransposed(-record_->time_step, point(), held_, all, &product);
-    return HandleRows(product);
+    return model_.GatherHandles(product);
   }
   const Origin& origin = origins_[place - 1];
-  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(all.rows(), all.cols());
+  Eigen::MatrixXd product = pairs_->weights.transpose() * all + pairs_->geometry.transpose() * columns.impulses;
+  product -= by_speed;
   forces.AddOriginProductTransposed(record_->time_step, point(), *origin.positions, all, &product);
   forces.AddVelocityProduct(-1.0, point(), held_, all, &product);
-  Eigen::MatrixXd held = HandleRows(product);
-  if (pairs_ != nullptr) held += pairs_->TimesWeightsTransposed(columns, PairNodes::kHandles);
-  return origin.share * held;
-}
-
-Eigen::MatrixXd HandleCoupling::PairTimes(int place, const Eigen::MatrixXd& columns) const {
-  const Eigen::MatrixXd by_speed = pairs_->TimesHandleVelocities(columns) / record_->time_step;
-  if (place == 0) return by_speed;
-  return origins_[place - 1].share * (pairs_->TimesGeometry(columns, PairNodes::kHandles) - by_speed);
-}
-
-Eigen::MatrixXd HandleCoupling::PairTimesTransposed(int place, const Eigen::MatrixXd& rows) const {
-  const Eigen::MatrixXd by_speed = pairs_->TimesHandleVelocitiesTransposed(rows) / record_->time_step;
-  if (place == 0) return by_speed;
-  return origins_[place - 1].share * (pairs_->TimesGeometryTransposed(rows, PairNodes::kHandles) - by_speed);
+  return origin.share * model_.GatherHandles(product);
 }
 
 Eigen::MatrixXd HandleCoupling::PairForceTimes(int place, const Eigen::MatrixXd& columns) const {
   if (place == 0) return Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
   const double share = origins_[place - 1].share / record_->time_step;
-  return -share * pairs_->TimesWeights(columns, PairNodes::kHandles, PairNodes::kHandles);
+  return -share * model_.GatherHandles(pairs_->weights * model_.ScatterHandles(columns));
 }
 
 Eigen::MatrixXd HandleCoupling::PairForceTimesTransposed(int place, const Eigen::MatrixXd& columns) const {
   if (place == 0) return Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
   const double share = origins_[place - 1].share / record_->time_step;
-  return -share * pairs_->TimesWeightsTransposed(columns, PairNodes::kHandles, PairNodes::kHandles);
+  return -share * model_.GatherHandles(pairs_->weights.transpose() * model_.ScatterHandles(columns));
 }
 
 }  // namespace clothid

@@ -10,7 +10,7 @@
 // (1 - kappa) dx_h,n + kappa dx_h,1. Made by the code of H itself, of a cloth whose handles are free.
 //
 // Pairs of the cloth with itself in contact, of which handles are nodes (pair_derivative.h), add what their weights owe
-// to dx_h,n, and have equations of their own:
+// to dx_h,n, and have equations of their own, which are rows of `StepColumns`, too:
 //   dR = (dR/dx_n) dx_h,n + (dR/dv_h) (dx_h - dx_h,n)/h
 #ifndef CLOTHID_SIM_DERIVATIVE_HANDLE_COUPLING_H_
 #define CLOTHID_SIM_DERIVATIVE_HANDLE_COUPLING_H_
@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "sim/cloth/cloth_model.h"
-#include "sim/derivative/pair_derivative.h"
+#include "sim/derivative/step_derivative.h"
 #include "sim/rollout/step_record.h"
 #include "sim/scene/material_field.h"
 #include "sim/scene/parameters.h"
@@ -43,31 +43,25 @@ class HandleCoupling {
   HandleCoupling(const HandleCoupling&) = delete;
   HandleCoupling& operator=(const HandleCoupling&) = delete;
 
-  // The solve that `record` ends. It, what `start` refers to and the parameters must live until the next call.
-  // `pairs`: of the same solve, likewise; null: none is in contact.
+  // The solve that `record` ends and `step` is the derivative of. All of these and what `start` refers to must live
+  // until the next call.
   void SetStep(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
-               const PairDerivative* pairs);
+               const StepDerivative& step);
 
   // The places of the handles that count: the first at the end of the solve; the others before are there with internal
   // damping, drag by direction or pairs in contact alone.
   int num_places() const { return static_cast<int>(times_.size()); }
   double time(int place) const { return times_[place]; }  // s
 
-  // The product with columns y over the handles at a place [3H x s], in the order of the scene's: [3 Nf x s].
-  Eigen::MatrixXd Times(int place, const Eigen::MatrixXd& columns) const;
-  // That with the transpose, y [3 Nf x s]: [3H x s].
-  Eigen::MatrixXd TimesTransposed(int place, const Eigen::MatrixXd& columns) const;
-  // Likewise dR [3c x s] of the pairs, of which there are some.
-  Eigen::MatrixXd PairTimes(int place, const Eigen::MatrixXd& columns) const;
-  Eigen::MatrixXd PairTimesTransposed(int place, const Eigen::MatrixXd& rows) const;
+  // The product with columns over the handles at a place [3H x s], in the order of the scene's: dg and dR.
+  StepColumns Times(int place, const Eigen::MatrixXd& columns) const;
+  // That with the transpose: [3H x s].
+  Eigen::MatrixXd TimesTransposed(int place, const StepColumns& columns) const;
   // Likewise what the pairs' force upon handles, sum w_i r/h [3H] N, owes to their weights at fixed r.
   Eigen::MatrixXd PairForceTimes(int place, const Eigen::MatrixXd& columns) const;
   Eigen::MatrixXd PairForceTimesTransposed(int place, const Eigen::MatrixXd& columns) const;
 
  private:
-  // Columns over the handles as columns over all nodes [3N x s], zero at free nodes; and the other way.
-  Eigen::MatrixXd FromHandles(const Eigen::MatrixXd& columns) const;
-  Eigen::MatrixXd HandleRows(const Eigen::MatrixXd& all) const;
   Eigen::MatrixXd TimesHessian(const Eigen::MatrixXd& all) const;  // (h H + C) y, with the masses that K has
   ForcePoint point() const;
 

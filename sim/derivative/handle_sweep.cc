@@ -15,18 +15,13 @@ HandleTangent::HandleTangent(const Eigen::MatrixXd& columns, const HandlePath* o
 }
 
 void HandleTangent::Subtract(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
-                             const PairDerivative* pairs, Eigen::MatrixXd* right) {
+                             const StepDerivative& step, StepColumns* right) {
   if (is_empty()) return;
-  coupling_->SetStep(record, start, parameters, pairs);
+  coupling_->SetStep(record, start, parameters, step);
   for (int place = 0; place < coupling_->num_places(); ++place) {
-    right->rightCols(columns_.cols() - first_) -= coupling_->Times(place, At(coupling_->time(place)));
-  }
-}
-
-void HandleTangent::SubtractFromPairs(Eigen::MatrixXd* right) const {
-  if (is_empty()) return;
-  for (int place = 0; place < coupling_->num_places(); ++place) {
-    right->rightCols(columns_.cols() - first_) -= coupling_->PairTimes(place, At(coupling_->time(place)));
+    const StepColumns change = coupling_->Times(place, At(coupling_->time(place)));
+    right->velocities.rightCols(columns_.cols() - first_) -= change.velocities;
+    right->impulses.rightCols(columns_.cols() - first_) -= change.impulses;
   }
 }
 
@@ -39,7 +34,7 @@ void HandleTangent::AddPairForces(Eigen::MatrixXd* forces) const {
 
 void HandleTangent::SubtractImpacts(const StepRecord& first, const SecondStartDerivative& derivative,
                                     Eigen::MatrixXd* velocities) const {
-  if (is_empty() || !derivative.has_pair_impacts()) return;
+  if (is_empty() || !derivative.reaches_handles()) return;
   const Eigen::MatrixXd changes = Sum(HandleSpeedTerms(first)) - Sum(start_speed_);
   derivative.SubtractHandleImpacts(At(first.time - first.time_step), changes, velocities);
 }
@@ -74,7 +69,7 @@ Eigen::MatrixXd HandleTangent::Sum(const std::vector<HandleSpeedTerm>& terms) co
 }
 
 HandleGradient::HandleGradient(const Rollout& rollout, int num_columns, const ClothModel& model)
-    : offsets_(rollout.handle_offsets), nodes_(model.scene().handles.nodes), parameters_(rollout.parameters) {
+    : offsets_(rollout.handle_offsets), model_(model), parameters_(rollout.parameters) {
   if (offsets_.num_handles() == 0) return;
   coupling_ = std::make_unique<HandleCoupling>(model);
   values_ = Eigen::MatrixXd::Zero(offsets_.positions().size(), num_columns);
@@ -82,20 +77,15 @@ HandleGradient::HandleGradient(const Rollout& rollout, int num_columns, const Cl
 
 void HandleGradient::AddSeed(double time, const Eigen::MatrixXd& seed) {
   if (coupling_ == nullptr) return;
-  Eigen::MatrixXd rows(offsets_.positions().rows(), seed.cols());
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    rows.middleRows<3>(3 * static_cast<Eigen::Index>(i)) = seed.middleRows<3>(3 * nodes_[i]);
-  }
-  Add(time, rows);
+  Add(time, model_.GatherHandles(seed));
 }
 
-void HandleGradient::AddSolve(const StepRecord& record, const SolveStart& start, const Eigen::MatrixXd& y,
-                              const PairDerivative* pairs, const Eigen::MatrixXd& rho) {
+void HandleGradient::AddSolve(const StepRecord& record, const SolveStart& start, const StepDerivative& step,
+                              const StepColumns& y) {
   if (coupling_ == nullptr) return;
-  coupling_->SetStep(record, start, parameters_, pairs);
+  coupling_->SetStep(record, start, parameters_, step);
   for (int place = 0; place < coupling_->num_places(); ++place) {
-    Add(coupling_->time(place), coupling_->TimesTransposed(place, -y));
-    if (pairs != nullptr) Add(coupling_->time(place), coupling_->PairTimesTransposed(place, -rho));
+    Add(coupling_->time(place), -coupling_->TimesTransposed(place, y));
   }
 }
 
@@ -108,7 +98,7 @@ void HandleGradient::AddPairForces(const Eigen::MatrixXd& by_forces) {
 
 void HandleGradient::AddImpacts(const StepRecord& first, const SecondStartDerivative& derivative,
                                 const StateColumns& second) {
-  if (coupling_ == nullptr || !derivative.has_pair_impacts()) return;
+  if (coupling_ == nullptr || !derivative.reaches_handles()) return;
   Eigen::MatrixXd positions = Eigen::MatrixXd::Zero(offsets_.positions().rows(), values_.cols()), changes = positions;
   derivative.AddHandleImpactsTransposed(second, &positions, &changes);
   Add(first.time - first.time_step, positions);

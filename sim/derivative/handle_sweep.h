@@ -22,11 +22,9 @@ class HandleTangent {
 
   bool is_empty() const { return coupling_ == nullptr; }
 
-  // Takes its part off the last columns of `right` [3 Nf x (p + q)]; `pairs` as in HandleCoupling.
+  // Takes its part off the last columns of `right` [x (p + q)].
   void Subtract(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
-                const PairDerivative* pairs, Eigen::MatrixXd* right);
-  // Of the same solve, likewise of its pairs [3c x (p + q)].
-  void SubtractFromPairs(Eigen::MatrixXd* right) const;
+                const StepDerivative& step, StepColumns* right);
   // Of the same solve, adds what the weights of its pairs change in their force upon handles to the last columns of
   // `forces` [3H x (p + q)].
   void AddPairForces(Eigen::MatrixXd* forces) const;
@@ -62,9 +60,8 @@ class HandleGradient {
   // Of a scalar that depends on the handles' positions at `time` itself, dC/dx [3N x s].
   void AddSeed(double time, const Eigen::MatrixXd& seed);
 
-  // Through a solve, y = (I + S)^T z of it, with rho of its `pairs`, which may be null.
-  void AddSolve(const StepRecord& record, const SolveStart& start, const Eigen::MatrixXd& y,
-                const PairDerivative* pairs, const Eigen::MatrixXd& rho);
+  // Through a solve: (y, rho), y = (I + S)^T z of it.
+  void AddSolve(const StepRecord& record, const SolveStart& start, const StepDerivative& step, const StepColumns& y);
   // Of the same solve, through the weights of its pairs in their force upon handles, by which the gradient is given
   // [3H x s].
   void AddPairForces(const Eigen::MatrixXd& by_forces);
@@ -81,7 +78,7 @@ class HandleGradient {
   void Add(double time, const Eigen::MatrixXd& rows);
 
   const HandlePath& offsets_;
-  const std::vector<int>& nodes_;
+  const ClothModel& model_;
   const Parameters& parameters_;
   std::unique_ptr<HandleCoupling> coupling_;
   Eigen::MatrixXd values_;

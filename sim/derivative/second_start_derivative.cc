@@ -1,89 +1,106 @@
 #include "sim/derivative/second_start_derivative.h"
 
+#include <algorithm>
+
 #include "sim/step/second_start.h"
 
 namespace clothid {
 namespace {
 
-// A number of every node [N], of those of a pair.
-Eigen::Vector4d OfPairNodes(const PairCandidate& pair, const Eigen::VectorXd& values) {
-  Eigen::Vector4d result = Eigen::Vector4d::Zero();
-  for (int i = 0; i < pair.features.num_nodes(); ++i) result[i] = values[pair.features.nodes[i]];
+// The rows of the nodes of a contact in columns over some of all nodes, of which they have the numbers `places`, -1:
+// none, whose rows are zero; and the sum into such columns.
+template <std::size_t kNodes>
+using NodeColumns = Eigen::Matrix<double, 3 * static_cast<int>(kNodes), Eigen::Dynamic>;
+
+template <std::size_t kNodes>
+NodeColumns<kNodes> GatherNodes(const std::array<int, kNodes>& places, const Eigen::MatrixXd& columns) {
+  NodeColumns<kNodes> values = NodeColumns<kNodes>::Zero(3 * kNodes, columns.cols());
+  for (std::size_t i = 0; i < kNodes; ++i) {
+    if (places[i] >= 0) values.template middleRows<3>(3 * i) = columns.middleRows<3>(3 * places[i]);
+  }
+  return values;
+}
+
+template <std::size_t kNodes, class Values>
+void ScatterNodes(const std::array<int, kNodes>& places, const Values& of_nodes, Eigen::MatrixXd* columns) {
+  const NodeColumns<kNodes> values = of_nodes;
+  for (std::size_t i = 0; i < kNodes; ++i) {
+    if (places[i] >= 0) columns->middleRows<3>(3 * places[i]) += values.template middleRows<3>(3 * i);
+  }
+}
+
+// A number of every node [N], of those of a contact.
+template <std::size_t kNodes>
+Eigen::Matrix<double, kNodes, 1> OfNodes(const std::array<int, kNodes>& nodes, const Eigen::VectorXd& values) {
+  Eigen::Matrix<double, kNodes, 1> result = Eigen::Matrix<double, kNodes, 1>::Zero();
+  for (std::size_t i = 0; i < kNodes; ++i) {
+    if (nodes[i] >= 0) result[i] = values[nodes[i]];
+  }
   return result;
+}
+
+// -1: it is not among them.
+std::array<int, 4> PlacesAmong(const std::vector<int>& handles, const std::array<int, 4>& nodes) {
+  std::array<int, 4> places = {-1, -1, -1, -1};
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const auto found = std::find(handles.begin(), handles.end(), nodes[i]);
+    if (found != handles.end()) places[i] = static_cast<int>(found - handles.begin());
+  }
+  return places;
+}
+
+template <class Derivative>
+Derivative Carried(Derivative derivative) {
+  derivative.change *= kSecondStageReach;
+  derivative.impulse *= kSecondStageReach;
+  derivative.position *= kSecondStageReach;
+  derivative.masses *= kSecondStageReach;
+  return derivative;
+}
+
+// Those of an impact among the impulses of a solve: of an obstacle's its node's, of the cloth's its own.
+template <class Impact, class Columns>
+auto ImpulseRows(const Impact& impact, Columns* impulses) {
+  const bool has_own = impact.nodes.size() > 1;
+  return (has_own ? impulses->impulses : impulses->velocities)
+      .template middleRows<3>(3 * (has_own ? static_cast<Eigen::Index>(impact.contact) : impact.blocks[0]));
 }
 
 }  // namespace
 
 SecondStartDerivative::SecondStartDerivative(const StepRecord& first, const SolveStart& start,
                                              const StepDerivative& step, const Parameters& parameters,
-                                             const ClothModel& model) {
-  for (std::size_t i = 0; i < step.contacts().size(); ++i) {
-    const Contact& contact = step.contacts()[i];
+                                             const ClothModel& model)
+    : num_impulses_(step.num_impulses()), num_rows_(3 * model.num_free()) {
+  const ContactSet& contacts = step.contacts();
+  for (std::size_t i = 0; i < contacts.nodes.size(); ++i) {
+    const Contact& contact = contacts.nodes[i];
     const int node = contact.candidate.node;
     const double mass = model.mass(parameters.material, node);
     const Eigen::Vector3d change = first.velocities.segment<3>(3 * node) - start.velocities.segment<3>(3 * node);
     if (ImpactShare(contact, mass, change) == 0.0) continue;
-    ImpactVelocityDerivative derivative = DifferentiateImpactVelocity(contact, mass, change, step.motion_of(contact));
-    derivative.change *= kSecondStageReach;
-    derivative.impulse *= kSecondStageReach;
-    derivative.normal *= kSecondStageReach;
-    derivative.position *= kSecondStageReach;
-    derivative.mass *= kSecondStageReach;
-    impacts_.push_back({node, 3 * model.free_index()[node], i, derivative});
+    impacts_.push_back({{node},
+                        {model.free_index()[node]},
+                        {-1},
+                        i,
+                        Carried(DifferentiateImpact(contact, mass, change, step.motion_of(contact)))});
+    impacts_.back().derivative.normal *= kSecondStageReach;
   }
-  num_rows_ = 3 * model.num_free();
-  if (step.pairs() != nullptr) FindPairImpacts(first, start, step, parameters, model);
-}
-
-void SecondStartDerivative::FindPairImpacts(const StepRecord& first, const SolveStart& start,
-                                            const StepDerivative& step, const Parameters& parameters,
-                                            const ClothModel& model) {
-  const std::vector<PairContact>& contacts = step.pairs()->contacts();
-  num_pairs_ = contacts.size();
-  for (std::size_t c = 0; c < contacts.size(); ++c) {
-    const PairCandidate& pair = contacts[c].candidate;
+  for (std::size_t c = 0; c < contacts.pairs.size(); ++c) {
+    const PairCandidate& pair = contacts.pairs[c].candidate;
     const PairImpactNodes nodes = ImpactNodes(model, parameters.material, pair, start.velocities, first.velocities);
-    PairImpactTerm term{&pair, step.pairs()->blocks(c, PairNodes::kHandles), c, EvaluatePairImpact(contacts[c], nodes),
-                        DifferentiatePairImpact(contacts[c], step.pairs()->gradient(c), nodes)};
-    if (term.impact.share == 0.0) continue;
-    term.impact.velocity *= kSecondStageReach;
-    term.derivative.change *= kSecondStageReach;
-    term.derivative.impulse *= kSecondStageReach;
-    term.derivative.position *= kSecondStageReach;
-    pair_impacts_.push_back(term);
+    if (EvaluatePairImpact(contacts.pairs[c], nodes).share == 0.0) continue;
+    const PairGeometryGradient gradient = DifferentiatePair(pair.features, start.positions);
+    cloth_impacts_.push_back({pair.features.nodes, pair.blocks,
+                              PlacesAmong(model.scene().handles.nodes, pair.features.nodes), c,
+                              Carried(DifferentiateImpact(contacts.pairs[c], gradient, nodes))});
   }
 }
 
-// du_i = p_i dB + B dp_i.
-Eigen::Matrix<double, 12, 12> SecondStartDerivative::PairImpactTerm::ByPosition() const {
-  Eigen::Matrix<double, 12, 12> matrix;
-  for (int i = 0; i < 4; ++i) {
-    matrix.middleRows<3>(3 * i) =
-        impact.portions[i] * derivative.position + impact.velocity * derivative.portions.row(i);
-  }
-  return matrix;
-}
-
-Eigen::Matrix<double, 12, 12> SecondStartDerivative::PairImpactTerm::ByChange() const {
-  Eigen::Matrix<double, 12, 12> matrix;
-  for (int i = 0; i < 4; ++i) {
-    for (int j = 0; j < 4; ++j) {
-      matrix.block<3, 3>(3 * i, 3 * j) = impact.portions[i] * pair->geometry.weights[j] * derivative.change;
-    }
-  }
-  return matrix;
-}
-
-Eigen::Matrix<double, 12, 3> SecondStartDerivative::PairImpactTerm::ByImpulse() const {
-  Eigen::Matrix<double, 12, 3> matrix;
-  for (int i = 0; i < 4; ++i) matrix.middleRows<3>(3 * i) = impact.portions[i] * derivative.impulse;
-  return matrix;
-}
-
-Eigen::Matrix<double, 12, 4> SecondStartDerivative::PairImpactTerm::ByMasses() const {
-  Eigen::Matrix<double, 12, 4> matrix;
-  for (int i = 0; i < 4; ++i) matrix.middleRows<3>(3 * i) = impact.velocity * derivative.masses.row(i);
-  return matrix;
+bool SecondStartDerivative::reaches_handles() const {
+  return std::any_of(cloth_impacts_.begin(), cloth_impacts_.end(), [](const ClothImpact& impact) {
+    return std::any_of(impact.handles.begin(), impact.handles.end(), [](int handle) { return handle >= 0; });
+  });
 }
 
 StateColumns SecondStartDerivative::Times(const StateColumns& start, const StateColumns& first) const {
@@ -92,55 +109,46 @@ StateColumns SecondStartDerivative::Times(const StateColumns& start, const State
 }
 
 void SecondStartDerivative::SubtractImpacts(const StateColumns& start, const StateColumns& first,
-                                            const Eigen::MatrixXd& impulse, const Eigen::MatrixXd& pair_impulses,
-                                            StateColumns* second) const {
-  for (const auto& [node, row, contact, impact] : impacts_) {
-    second->velocities.middleRows<3>(row) -=
-        impact.change * (first.velocities.middleRows<3>(row) - start.velocities.middleRows<3>(row)) +
-        impact.impulse * impulse.middleRows<3>(row) + impact.position * start.positions.middleRows<3>(row);
-  }
-  for (const PairImpactTerm& term : pair_impacts_) {
-    const Eigen::Index row = 3 * static_cast<Eigen::Index>(term.contact);
-    ScatterToPair(term.pair->blocks,
-                  term.ByChange() * GatherFromPair(term.pair->blocks, start.velocities - first.velocities) -
-                      term.ByImpulse() * pair_impulses.middleRows<3>(row) -
-                      term.ByPosition() * GatherFromPair(term.pair->blocks, start.positions),
-                  &second->velocities);
-  }
+                                            const StepColumns& impulses, StateColumns* second) const {
+  ForEach([&](const auto& impact) {
+    const auto gather = [&](const Eigen::MatrixXd& columns) { return GatherNodes(impact.blocks, columns); };
+    const auto& derivative = impact.derivative;
+    ScatterNodes(impact.blocks,
+                 -(derivative.change * (gather(first.velocities) - gather(start.velocities)) +
+                   derivative.impulse * ImpulseRows(impact, &impulses) + derivative.position * gather(start.positions)),
+                 &second->velocities);
+  });
 }
 
 void SecondStartDerivative::SubtractHandleImpacts(const Eigen::MatrixXd& positions, const Eigen::MatrixXd& changes,
                                                   Eigen::MatrixXd* velocities) const {
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(velocities->rows(), positions.cols());
-  for (const PairImpactTerm& term : pair_impacts_) {
-    ScatterToPair(term.pair->blocks,
-                  term.ByPosition() * GatherFromPair(term.handles, positions) +
-                      term.ByChange() * GatherFromPair(term.handles, changes),
-                  &sum);
+  for (const ClothImpact& impact : cloth_impacts_) {
+    ScatterNodes(impact.blocks,
+                 impact.derivative.position * GatherNodes(impact.handles, positions) +
+                     impact.derivative.change * GatherNodes(impact.handles, changes),
+                 &sum);
   }
   velocities->rightCols(sum.cols()) -= sum;
 }
 
 void SecondStartDerivative::AddHandleImpactsTransposed(const StateColumns& second, Eigen::MatrixXd* positions,
                                                        Eigen::MatrixXd* changes) const {
-  for (const PairImpactTerm& term : pair_impacts_) {
-    const Eigen::MatrixXd rows = -GatherFromPair(term.pair->blocks, second.velocities);
-    ScatterToPair(term.handles, term.ByPosition().transpose() * rows, positions);
-    ScatterToPair(term.handles, term.ByChange().transpose() * rows, changes);
+  for (const ClothImpact& impact : cloth_impacts_) {
+    const Eigen::MatrixXd rows = -GatherNodes(impact.blocks, second.velocities);
+    ScatterNodes(impact.handles, impact.derivative.position.transpose() * rows, positions);
+    ScatterNodes(impact.handles, impact.derivative.change.transpose() * rows, changes);
   }
 }
 
 void SecondStartDerivative::SubtractMasses(int column, const Eigen::VectorXd& masses, StateColumns* second) const {
-  for (const auto& [node, row, contact, impact] : impacts_) {
-    second->velocities.col(column).segment<3>(row) -= masses[node] * impact.mass;
-  }
-  for (const PairImpactTerm& term : pair_impacts_) {
-    const Eigen::Matrix<double, 12, 1> change = -term.ByMasses() * OfPairNodes(*term.pair, masses);
-    for (int i = 0; i < 4; ++i) {
-      if (term.pair->blocks[i] < 0) continue;
-      second->velocities.col(column).segment<3>(3 * term.pair->blocks[i]) += change.segment<3>(3 * i);
+  ForEach([&](const auto& impact) {
+    const auto change = (impact.derivative.masses * OfNodes(impact.nodes, masses)).eval();
+    for (std::size_t i = 0; i < impact.blocks.size(); ++i) {
+      if (impact.blocks[i] < 0) continue;
+      second->velocities.col(column).segment<3>(3 * impact.blocks[i]) -= change.template segment<3>(3 * i);
     }
-  }
+  });
 }
 
 void SecondStartDerivative::AddTransposed(const StateColumns& second, StateColumns* start, StateColumns* first) const {
@@ -150,34 +158,28 @@ void SecondStartDerivative::AddTransposed(const StateColumns& second, StateColum
   first->velocities += kSecondStageReach * second.velocities;
 }
 
-Eigen::MatrixXd SecondStartDerivative::AddImpactsTransposed(const StateColumns& second, StateColumns* start,
-                                                            StateColumns* first, Eigen::MatrixXd* pair_impulses) const {
-  Eigen::MatrixXd impulse = Eigen::MatrixXd::Zero(second.velocities.rows(), second.velocities.cols());
-  for (const auto& [node, row, contact, impact] : impacts_) {
-    const Eigen::MatrixXd rows = second.velocities.middleRows<3>(row);
-    const Eigen::MatrixXd by_change = impact.change.transpose() * rows;
-    first->velocities.middleRows<3>(row) -= by_change;
-    start->velocities.middleRows<3>(row) += by_change;
-    start->positions.middleRows<3>(row) -= impact.position.transpose() * rows;
-    impulse.middleRows<3>(row) = -(impact.impulse.transpose() * rows);
-  }
-  *pair_impulses = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(num_pairs_), second.velocities.cols());
-  for (const PairImpactTerm& term : pair_impacts_) {
-    const Eigen::MatrixXd rows = GatherFromPair(term.pair->blocks, second.velocities);
-    const Eigen::MatrixXd by_change = term.ByChange().transpose() * rows;
-    ScatterToPair(term.pair->blocks, -by_change, &first->velocities);
-    ScatterToPair(term.pair->blocks, by_change, &start->velocities);
-    ScatterToPair(term.pair->blocks, -term.ByPosition().transpose() * rows, &start->positions);
-    pair_impulses->middleRows<3>(3 * static_cast<Eigen::Index>(term.contact)) = -term.ByImpulse().transpose() * rows;
-  }
-  return impulse;
+StepColumns SecondStartDerivative::AddImpactsTransposed(const StateColumns& second, StateColumns* start,
+                                                        StateColumns* first) const {
+  const Eigen::Index num_columns = second.velocities.cols();
+  StepColumns impulses{Eigen::MatrixXd::Zero(num_rows_, num_columns),
+                       Eigen::MatrixXd::Zero(num_impulses_, num_columns)};
+  ForEach([&](const auto& impact) {
+    const Eigen::MatrixXd rows = GatherNodes(impact.blocks, second.velocities);
+    const Eigen::MatrixXd by_change = impact.derivative.change.transpose() * rows;
+    ScatterNodes(impact.blocks, -by_change, &first->velocities);
+    ScatterNodes(impact.blocks, by_change, &start->velocities);
+    ScatterNodes(impact.blocks, -(impact.derivative.position.transpose() * rows), &start->positions);
+    ImpulseRows(impact, &impulses) = -(impact.derivative.impulse.transpose() * rows);
+  });
+  return impulses;
 }
 
 Eigen::VectorXd SecondStartDerivative::MotionDerivative(const std::vector<MotionChange>& changes) const {
   Eigen::VectorXd derivative = Eigen::VectorXd::Zero(num_rows_);
-  for (const auto& [node, row, contact, impact] : impacts_) {
-    derivative.segment<3>(row) =
-        impact.normal * changes[contact].normal - impact.change * changes[contact].velocity_change;
+  for (const ObstacleImpact& impact : impacts_) {
+    const MotionChange& change = changes[impact.contact];
+    derivative.segment<3>(3 * impact.blocks[0]) =
+        impact.derivative.normal * change.normal - impact.derivative.change * change.velocity_change;
   }
   return derivative;
 }
@@ -185,27 +187,22 @@ Eigen::VectorXd SecondStartDerivative::MotionDerivative(const std::vector<Motion
 Eigen::RowVectorXd SecondStartDerivative::MassGradient(const Eigen::VectorXd& slopes,
                                                        const StateColumns& second) const {
   Eigen::RowVectorXd gradient = Eigen::RowVectorXd::Zero(second.velocities.cols());
-  for (const auto& [node, row, contact, impact] : impacts_) {
-    gradient -= slopes[node] * (impact.mass.transpose() * second.velocities.middleRows<3>(row));
-  }
-  for (const PairImpactTerm& term : pair_impacts_) {
-    gradient -= (term.ByMasses() * OfPairNodes(*term.pair, slopes)).transpose() *
-                GatherFromPair(term.pair->blocks, second.velocities);
-  }
+  ForEach([&](const auto& impact) {
+    const Eigen::MatrixXd by_masses =
+        impact.derivative.masses.transpose() * GatherNodes(impact.blocks, second.velocities);
+    gradient -= OfNodes(impact.nodes, slopes).transpose() * by_masses;
+  });
   return gradient;
 }
 
 void SecondStartDerivative::AddMassGradient(const StateColumns& second, Eigen::MatrixXd* gradient) const {
-  for (const auto& [node, row, contact, impact] : impacts_) {
-    gradient->row(node) -= impact.mass.transpose() * second.velocities.middleRows<3>(row);
-  }
-  for (const PairImpactTerm& term : pair_impacts_) {
+  ForEach([&](const auto& impact) {
     const Eigen::MatrixXd by_masses =
-        term.ByMasses().transpose() * GatherFromPair(term.pair->blocks, second.velocities);
-    for (int i = 0; i < term.pair->features.num_nodes(); ++i) {
-      gradient->row(term.pair->features.nodes[i]) -= by_masses.row(i);
+        impact.derivative.masses.transpose() * GatherNodes(impact.blocks, second.velocities);
+    for (std::size_t i = 0; i < impact.nodes.size(); ++i) {
+      if (impact.nodes[i] >= 0) gradient->row(impact.nodes[i]) -= by_masses.row(i);
     }
-  }
+  });
 }
 
 }  // namespace clothid

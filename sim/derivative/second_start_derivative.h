@@ -6,18 +6,18 @@
 // with the blocks of sim/contact/impact_share.h. The solved first stage has r_1 = g, so with the matrices of
 // step_derivative.h, b = h (H + V) dx_n - M dv_n + dg/dtheta being what does not come by dv_1:
 //   dr_1 = K dv_1 + b
-// Pairs of the cloth with itself that meet add theirs, with their own impulses (sim/contact/pair_impact.h), of handles
-// among their nodes by x_n and v_1 - v_n as well; dr_1 of an obstacle's contact is then K dv_1 + b - J^T dr of them.
+// Pairs of the cloth with itself that meet add theirs, with their own impulses, of handles among their nodes by x_n and
+// v_1 - v_n as well; dr_1 of an obstacle's contact is then K dv_1 + b - J^T dr of them.
 // A gradient by r_1, rho = U_r^T (..), goes back through that: K rho to v_1, and to all else as -rho does in y.
 #ifndef CLOTHID_SIM_DERIVATIVE_SECOND_START_DERIVATIVE_H_
 #define CLOTHID_SIM_DERIVATIVE_SECOND_START_DERIVATIVE_H_
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <vector>
 
 #include "sim/contact/impact_share.h"
-#include "sim/contact/pair_impact.h"
 #include "sim/derivative/step_derivative.h"
 
 namespace clothid {
@@ -33,16 +33,14 @@ class SecondStartDerivative {
   SecondStartDerivative(const StepRecord& first, const SolveStart& start, const StepDerivative& step,
                         const Parameters& parameters, const ClothModel& model);
 
-  bool has_impacts() const {
-    return !impacts_.empty() || !pair_impacts_.empty();
-  }  // else r_1 and the masses do not count
-  bool has_pair_impacts() const { return !pair_impacts_.empty(); }
+  bool has_impacts() const { return !impacts_.empty() || !cloth_impacts_.empty(); }  // else r_1, masses do not count
+  bool reaches_handles() const;  // whether handles are among the nodes of impacts
 
   // dx_s and dv_s from those of the step's start and of the end of its first stage, without what impacts add.
   StateColumns Times(const StateColumns& start, const StateColumns& first) const;
-  // Takes kappa du off dv_s. `impulse`: dr_1. `pair_impulses` [3c x s]: dr of the pairs in the first stage.
-  void SubtractImpacts(const StateColumns& start, const StateColumns& first, const Eigen::MatrixXd& impulse,
-                       const Eigen::MatrixXd& pair_impulses, StateColumns* second) const;
+  // Takes kappa du off dv_s. `impulses`: dr_1 [3 Nf x s], and dr of the pairs in the first stage.
+  void SubtractImpacts(const StateColumns& start, const StateColumns& first, const StepColumns& impulses,
+                       StateColumns* second) const;
   // Takes what comes by the handles among the nodes of pairs off the last columns of `velocities`, dv_s: by columns of
   // their dx_n and d(v_1 - v_n) [3H x s].
   void SubtractHandleImpacts(const Eigen::MatrixXd& positions, const Eigen::MatrixXd& changes,
@@ -56,10 +54,8 @@ class SecondStartDerivative {
 
   // The transpose, of gradients by x_s and v_s: adds to those by the start and by the end of the first stage.
   void AddTransposed(const StateColumns& second, StateColumns* start, StateColumns* first) const;
-  // With impacts: likewise, and returns the gradient by r_1 [3 Nf x s]; that by the impulses of pairs goes to
-  // `pair_impulses` [3c x s].
-  Eigen::MatrixXd AddImpactsTransposed(const StateColumns& second, StateColumns* start, StateColumns* first,
-                                       Eigen::MatrixXd* pair_impulses) const;
+  // With impacts: likewise, and returns the gradients by r_1 [3 Nf x s] and by the impulses of pairs.
+  StepColumns AddImpactsTransposed(const StateColumns& second, StateColumns* start, StateColumns* first) const;
   // Adds the gradients by the handles' x_n and v_1 - v_n to columns [3H x s].
   void AddHandleImpactsTransposed(const StateColumns& second, Eigen::MatrixXd* positions,
                                   Eigen::MatrixXd* changes) const;
@@ -69,29 +65,28 @@ class SecondStartDerivative {
   void AddMassGradient(const StateColumns& second, Eigen::MatrixXd* gradient) const;
 
  private:
+  // Of a contact of the first stage that has stopped an impact.
+  template <int kNodes, class Derivative>
   struct Impact {
-    int node;
-    int row;                              // of its node's block
-    std::size_t contact;                  // among those of the first stage
-    ImpactVelocityDerivative derivative;  // times kappa
+    std::array<int, kNodes> nodes;    // -1: none
+    std::array<int, kNodes> blocks;   // of the nodes among the free ones, or -1
+    std::array<int, kNodes> handles;  // likewise among the handles
+    std::size_t contact;              // among those of its kind
+    Derivative derivative;            // times kappa
   };
-  struct PairImpactTerm {
-    const PairCandidate* pair;
-    PairBlocks handles;  // of its nodes
-    std::size_t contact;
-    PairImpact impact;                                 // its velocity times kappa
-    PairImpactDerivative derivative;                   // that of the velocity times kappa
-    Eigen::Matrix<double, 12, 12> ByPosition() const;  // kappa du/dx_n
-    Eigen::Matrix<double, 12, 12> ByChange() const;    // kappa du/d(v_1 - v_n)
-    Eigen::Matrix<double, 12, 3> ByImpulse() const;    // kappa du/dr
-    Eigen::Matrix<double, 12, 4> ByMasses() const;     // kappa du/dm
-  };
-  void FindPairImpacts(const StepRecord& first, const SolveStart& start, const StepDerivative& step,
-                       const Parameters& parameters, const ClothModel& model);
-  std::vector<Impact> impacts_;
-  std::vector<PairImpactTerm> pair_impacts_;
-  std::size_t num_pairs_ = 0;
-  Eigen::Index num_rows_ = 0;  // 3 Nf
+  using ObstacleImpact = Impact<1, ObstacleImpactDerivative>;
+  using ClothImpact = Impact<4, ImpactDerivative<4>>;
+
+  template <class Function>
+  void ForEach(const Function& function) const {
+    for (const ObstacleImpact& impact : impacts_) function(impact);
+    for (const ClothImpact& impact : cloth_impacts_) function(impact);
+  }
+
+  std::vector<ObstacleImpact> impacts_;
+  std::vector<ClothImpact> cloth_impacts_;
+  Eigen::Index num_impulses_ = 0;  // 3c
+  Eigen::Index num_rows_ = 0;      // 3 Nf
 };
 
 }  // namespace clothid

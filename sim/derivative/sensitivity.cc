@@ -49,37 +49,32 @@ StateColumns StartTangent(const SensitivityDirections& directions, const ClothMo
 }
 
 // What g gains not by dv, negated: -b, b = h (H + V) dx_n + N dx^ - M dv_n + dg/dtheta. `further_parts`: takes others
-// off.
-Eigen::MatrixXd MomentumSide(const StateColumns& start, const std::vector<ParameterId>& parameters,
-                             const std::function<void(Eigen::MatrixXd*)>& further_parts, const StepDerivative& step) {
-  Eigen::MatrixXd right = step.TimesMass(start.velocities) - step.TimesStart(start.positions);
-  if (step.has_prediction()) right -= step.TimesPrediction(start.positions + step.time_step() * start.velocities);
+// off, from R as well.
+StepColumns MomentumSide(const StateColumns& start, const std::vector<ParameterId>& parameters,
+                         const std::function<void(StepColumns*)>& further_parts, const StepDerivative& step) {
+  StepColumns right{step.TimesMass(start.velocities) - step.TimesStart(start.positions),
+                    Eigen::MatrixXd::Zero(step.num_impulses(), start.positions.cols())};
+  if (step.has_prediction()) {
+    right.velocities -= step.TimesPrediction(start.positions + step.time_step() * start.velocities);
+  }
   further_parts(&right);
   for (size_t p = 0; p < parameters.size(); ++p) {
-    if (!IsOfContact(parameters[p].kind)) right.col(p) -= step.MomentumDerivative(parameters[p]);
+    if (!IsOfContact(parameters[p].kind)) right.velocities.col(p) -= step.MomentumDerivative(parameters[p]);
   }
   return right;
 }
 
 // -[(I + S) b + X dx_n - dr/dtheta] from -b. Uses the contacts of the last Factor.
-Eigen::MatrixXd RightSide(Eigen::MatrixXd right, const StateColumns& start, const std::vector<ParameterId>& parameters,
-                          StepDerivative* step) {
+StepColumns RightSide(StepColumns right, const StateColumns& start, const std::vector<ParameterId>& parameters,
+                      StepDerivative* step) {
   if (step->contacts().empty()) return right;
-  step->jacobian().AddImpulse(&right);
+  step->jacobian().AddImpulse(&right.velocities);
   right -= step->TimesFrames(start.positions);
   for (size_t p = 0; p < parameters.size(); ++p) {
-    if (IsOfContact(parameters[p].kind)) right.col(p) += step->ImpulseDerivative(parameters[p]);
-  }
-  return right;
-}
-
-// Likewise of the equations of pairs [3c x s], -dR at fixed v and r.
-Eigen::MatrixXd PairSide(const StateColumns& start, const std::vector<ParameterId>& parameters,
-                         const HandleTangent& handles, const PairDerivative& pairs) {
-  Eigen::MatrixXd right = -pairs.TimesGeometry(start.positions);
-  handles.SubtractFromPairs(&right);
-  for (size_t p = 0; p < parameters.size(); ++p) {
-    if (parameters[p].kind == ParameterKind::kSelfFriction) right.col(p) -= pairs.FrictionDerivative();
+    if (!IsOfContact(parameters[p].kind)) continue;
+    const StepColumns change = step->ImpulseDerivative(parameters[p]);
+    right.velocities.col(p) += change.velocities;
+    right.impulses.col(p) += change.impulses;
   }
   return right;
 }
@@ -120,7 +115,7 @@ class TangentSolver {
                Eigen::MatrixXd* pair_forces) const {
     StepDerivative step(record, start, parameters_, simulator_, &sizes_);
     SolveToEnd(
-        record, start, [](Eigen::MatrixXd*) {}, &step, tangent, pair_forces);
+        record, start, [](StepColumns*) {}, &step, tangent, pair_forces);
   }
 
   // Of both stages.
@@ -132,15 +127,14 @@ class TangentSolver {
     {
       StepDerivative step(first, start, parameters_, simulator_, &sizes_);
       const SolveChange change = Solve(
-          first, start, [](Eigen::MatrixXd*) {}, &step, &first_end);
+          first, start, [](StepColumns*) {}, &step, &first_end);
       second_start = StartSecondStage(model, parameters_.material, start, first.positions, first.velocities,
-                                      first.time_step, step.contact_set());
+                                      first.time_step, step.contacts());
       const SecondStartDerivative derivative(first, start, step, parameters_, model);
       end = derivative.Times(*tangent, first_end);
       if (derivative.has_impacts()) {
-        Eigen::MatrixXd impulse = step.TimesVelocity(first_end.velocities) - change.momentum;
-        if (step.pairs() != nullptr) impulse -= step.pairs()->Spread(change.pair_impulses, PairNodes::kFree);
-        derivative.SubtractImpacts(*tangent, first_end, impulse, change.pair_impulses, &end);
+        const Eigen::MatrixXd impulse = step.TimesUnknowns({first_end.velocities, change.impulses}) - change.momentum;
+        derivative.SubtractImpacts(*tangent, first_end, {impulse, change.impulses}, &end);
         handles_->SubtractImpacts(first, derivative, &end.velocities);
         for (size_t p = 0; p < ids_.size(); ++p) {
           const Eigen::VectorXd* slopes = step.MassSlopes(ids_[p]);
@@ -154,48 +148,41 @@ class TangentSolver {
     }
     const SolveStart from{second_start.positions, second_start.velocities, &start.positions, &first.positions};
     StepDerivative step(second, from, parameters_, simulator_, &sizes_);
-    const auto subtract_origins = [&](Eigen::MatrixXd* right) {
-      if (step.has_origins()) *right -= step.TimesOrigins(tangent->positions, first_end.positions);
+    const auto subtract_origins = [&](StepColumns* right) {
+      if (step.has_origins()) right->velocities -= step.TimesOrigins(tangent->positions, first_end.positions);
     };
     SolveToEnd(second, from, subtract_origins, &step, &end, pair_forces);
     *tangent = std::move(end);
   }
 
  private:
-  // -b of a solve and, where the cloth touches itself, dr of its pairs [3c x s].
+  // -b of a solve and dr.
   struct SolveChange {
-    Eigen::MatrixXd momentum, pair_impulses;
+    Eigen::MatrixXd momentum, impulses;
   };
 
   // The solve that ends a step.
   void SolveToEnd(const StepRecord& record, const SolveStart& start,
-                  const std::function<void(Eigen::MatrixXd*)>& further_parts, StepDerivative* step,
-                  StateColumns* tangent, Eigen::MatrixXd* pair_forces) const {
+                  const std::function<void(StepColumns*)>& further_parts, StepDerivative* step, StateColumns* tangent,
+                  Eigen::MatrixXd* pair_forces) const {
     const Eigen::MatrixXd positions = pair_forces == nullptr ? Eigen::MatrixXd() : tangent->positions;
     const SolveChange change = Solve(record, start, further_parts, step, tangent);
     handles_->EndStep(record);
     if (pair_forces == nullptr) return;
-    if (step->pairs() == nullptr) {
-      const auto num_handles = static_cast<Eigen::Index>(simulator_->scene().handles.nodes.size());
-      *pair_forces = Eigen::MatrixXd::Zero(3 * num_handles, positions.cols());
-      return;
-    }
-    *pair_forces = (step->pairs()->Spread(change.pair_impulses, PairNodes::kHandles) -
-                    step->pairs()->TimesWeights(positions, PairNodes::kFree, PairNodes::kHandles)) /
-                   record.time_step;
+    *pair_forces = step->TimesHandleForces(change.impulses, positions);
     handles_->AddPairForces(pair_forces);
   }
 
   // Takes `tangent` to the end of a solve. `further_parts` takes off -b what comes besides the handles.
   SolveChange Solve(const StepRecord& record, const SolveStart& start,
-                    const std::function<void(Eigen::MatrixXd*)>& further_parts, StepDerivative* step,
+                    const std::function<void(StepColumns*)>& further_parts, StepDerivative* step,
                     StateColumns* tangent) const {
     const KeptFactor kept(&simulator_->step_solver().jacobian());
-    const Eigen::MatrixXd momentum = MomentumSide(
+    StepColumns momentum = MomentumSide(
         *tangent, ids_,
-        [&](Eigen::MatrixXd* right) {
-          handles_->Subtract(record, start, parameters_, step->pairs(), right);
-          fields_.Subtract(record, start, right);
+        [&](StepColumns* right) {
+          handles_->Subtract(record, start, parameters_, *step, right);
+          fields_.Subtract(record, start, &right->velocities);
           further_parts(right);
         },
         *step);
@@ -205,20 +192,17 @@ class TangentSolver {
     }
     tangent->velocities = std::move(solution.velocities);
     tangent->positions += record.time_step * tangent->velocities;
-    return {momentum, std::move(solution.impulses)};
+    return {std::move(momentum.velocities), std::move(solution.impulses)};
   }
 
-  // With the factor that the record keeps, or a new one, or, where pairs do not forbid that, by LU.
-  bool SolveLinearized(const StepRecord& record, const Eigen::MatrixXd& momentum, const StateColumns& start,
+  // With the factor that the record keeps, or a new one, or by LU.
+  bool SolveLinearized(const StepRecord& record, const StepColumns& momentum, const StateColumns& start,
                        StepDerivative* step, StepColumns* solution) const {
-    StepColumns right;
-    if (step->pairs() != nullptr) right.impulses = PairSide(start, ids_, *handles_, *step->pairs());
     const auto solve = [&] {
-      right.velocities = RightSide(momentum, start, ids_, step);
-      return step->jacobian().Solve(right, tolerance_, solution);
+      return step->jacobian().Solve(RightSide(momentum, start, ids_, step), tolerance_, solution);
     };
     return (step->UseFactor(record.factor) && solve()) || (step->Factor(StepJacobian::Method::kReduced) && solve()) ||
-           (step->pairs() == nullptr && step->Factor(StepJacobian::Method::kLu) && solve());
+           (step->Factor(StepJacobian::Method::kLu) && solve());
   }
 
   const Parameters& parameters_;

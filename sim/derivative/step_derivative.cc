@@ -42,9 +42,7 @@ StepDerivative::StepDerivative(const StepRecord& record, const SolveStart& start
   }
   if (!record.contacts.empty()) motions_ = ObstacleMotions(model_.scene(), parameters, record.times());
   contacts_ = RestoreContacts(record, start.positions, motions_, parameters, model_);
-  if (!record.pairs.empty()) {
-    pairs_ = std::make_unique<PairDerivative>(model_, contacts_.pairs, start.positions, record.velocities);
-  }
+  pairs_ = DifferentiatePairs(contacts_.pairs, start.positions, record.velocities);
   if (motions_.empty()) return;
   for (const Contact& contact : contacts_.nodes) {
     const Eigen::Vector3d place = start.positions.segment<3>(3 * contact.candidate.node);
@@ -70,8 +68,15 @@ Eigen::MatrixXd StepDerivative::TimesMass(const Eigen::MatrixXd& columns) const 
   return masses_.asDiagonal() * columns;
 }
 
-Eigen::MatrixXd StepDerivative::TimesVelocity(const Eigen::MatrixXd& columns) const {
-  return MultiplySymmetric(hessian_, columns, jacobian_.team());
+Eigen::MatrixXd StepDerivative::TimesUnknowns(const StepColumns& columns) const {
+  Eigen::MatrixXd product = MultiplySymmetric(hessian_, columns.velocities, jacobian_.team());
+  if (!pairs_.is_empty()) product -= model_.GatherColumns(pairs_.spread * columns.impulses);
+  return product;
+}
+
+StepColumns StepDerivative::TimesUnknownsTransposed(const Eigen::MatrixXd& columns) const {
+  return {MultiplySymmetric(hessian_, columns, jacobian_.team()),
+          -(pairs_.spread.transpose() * model_.ScatterColumns(columns))};
 }
 
 Eigen::MatrixXd StepDerivative::TimesHessian(const Eigen::MatrixXd& columns) const {
@@ -88,14 +93,14 @@ Eigen::MatrixXd StepDerivative::TimesHessian(const Eigen::MatrixXd& columns) con
 Eigen::MatrixXd StepDerivative::TimesStart(const Eigen::MatrixXd& columns) const {
   Eigen::MatrixXd product = TimesHessian(columns);
   if (forces_.needs_origins() && !has_origins()) product += TimesMixed(start_.positions, columns);
-  if (pairs_ != nullptr) product += pairs_->TimesWeights(columns);
+  if (!pairs_.is_empty()) product += model_.GatherColumns(pairs_.weights * model_.ScatterColumns(columns));
   return product;
 }
 
 Eigen::MatrixXd StepDerivative::TimesStartTransposed(const Eigen::MatrixXd& columns) const {
   Eigen::MatrixXd product = TimesHessian(columns);
   if (forces_.needs_origins() && !has_origins()) product += TimesMixedTransposed(start_.positions, columns);
-  if (pairs_ != nullptr) product += pairs_->TimesWeightsTransposed(columns);
+  if (!pairs_.is_empty()) product += model_.GatherColumns(pairs_.weights.transpose() * model_.ScatterColumns(columns));
   return product;
 }
 
@@ -135,23 +140,39 @@ Eigen::MatrixXd StepDerivative::TimesPredictionTransposed(const Eigen::MatrixXd&
   return model_.GatherColumns(product);
 }
 
-Eigen::MatrixXd StepDerivative::TimesFrames(const Eigen::MatrixXd& columns) const {
-  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
+StepColumns StepDerivative::TimesFrames(const Eigen::MatrixXd& columns) const {
+  StepColumns product{Eigen::MatrixXd::Zero(columns.rows(), columns.cols()),
+                      Eigen::MatrixXd(num_impulses(), columns.cols())};
+  if (!pairs_.is_empty()) product.impulses = pairs_.geometry * model_.ScatterColumns(columns);
   for (const Contact& contact : contacts_.nodes) {
     const int row = 3 * model_.free_index()[contact.candidate.node];
-    product.middleRows<3>(row) = ContactPositionJacobian(contact, motion_of(contact)) * columns.middleRows<3>(row);
+    product.velocities.middleRows<3>(row) =
+        ContactPositionJacobian(contact, motion_of(contact)) * columns.middleRows<3>(row);
   }
   return product;
 }
 
-Eigen::MatrixXd StepDerivative::TimesFramesTransposed(const Eigen::MatrixXd& columns) const {
-  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
+Eigen::MatrixXd StepDerivative::TimesFramesTransposed(const StepColumns& columns) const {
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(columns.velocities.rows(), columns.velocities.cols());
   for (const Contact& contact : contacts_.nodes) {
     const int row = 3 * model_.free_index()[contact.candidate.node];
     product.middleRows<3>(row) =
-        ContactPositionJacobian(contact, motion_of(contact)).transpose() * columns.middleRows<3>(row);
+        ContactPositionJacobian(contact, motion_of(contact)).transpose() * columns.velocities.middleRows<3>(row);
   }
+  if (!pairs_.is_empty()) product += model_.GatherColumns(pairs_.geometry.transpose() * columns.impulses);
   return product;
+}
+
+Eigen::MatrixXd StepDerivative::TimesHandleForces(const Eigen::MatrixXd& impulses, const Eigen::MatrixXd& start) const {
+  const Eigen::MatrixXd change = pairs_.spread * impulses - pairs_.weights * model_.ScatterColumns(start);
+  return model_.GatherHandles(change) / record_.time_step;
+}
+
+void StepDerivative::AddHandleForcesTransposed(const Eigen::MatrixXd& forces, Eigen::MatrixXd* impulses,
+                                               Eigen::MatrixXd* start) const {
+  const Eigen::MatrixXd all = model_.ScatterHandles(forces / record_.time_step);
+  *impulses += pairs_.spread.transpose() * all;
+  *start -= model_.GatherColumns(pairs_.weights.transpose() * all);
 }
 
 ForcePoint StepDerivative::point() const {
@@ -193,8 +214,10 @@ std::vector<MotionChange> StepDerivative::MotionChanges(ParameterId id) const {
   return changes;
 }
 
-Eigen::VectorXd StepDerivative::ImpulseDerivative(ParameterId id) const {
-  Eigen::VectorXd derivative = Eigen::VectorXd::Zero(3 * model_.num_free());
+StepColumns StepDerivative::ImpulseDerivative(ParameterId id) const {
+  StepColumns columns{Eigen::VectorXd::Zero(3 * model_.num_free()), Eigen::VectorXd::Zero(num_impulses())};
+  if (id.kind == ParameterKind::kSelfFriction) columns.impulses = -pairs_.friction;
+  auto derivative = columns.velocities.col(0);
   if (IsPlacement(id.kind)) {
     const std::vector<MotionChange> changes = MotionChanges(id);
     for (std::size_t i = 0; i < contacts_.nodes.size(); ++i) {
@@ -204,14 +227,14 @@ Eigen::VectorXd StepDerivative::ImpulseDerivative(ParameterId id) const {
           ContactMotionDerivative(contacts_.nodes[i], changes[i]);
     }
   }
-  if (id.kind != ParameterKind::kFriction) return derivative;
+  if (id.kind != ParameterKind::kFriction) return columns;
   for (const Contact& contact : contacts_.nodes) {
     if (contact.response.branch != ContactBranch::kSlip) continue;
     if (id.part != kWhole && id.part != contact.candidate.obstacle) continue;
     derivative.segment<3>(3 * model_.free_index()[contact.candidate.node]) =
         contact.response.normal_force * contact.response.slip_direction;
   }
-  return derivative;
+  return columns;
 }
 
 }  // namespace clothid

@@ -7,8 +7,9 @@
 // impulse at fixed F, for friction f_N t at slipping nodes; for the placement of an
 // obstacle's path that through gap, normal and V at fixed v.
 //
-// Contacts of the cloth with itself add their impulses r to the unknowns (sim/contact/pair_elimination.h), and to
-// dg/dx_n at fixed v and r what their weights do (pair_derivative.h).
+// Contacts of the cloth with itself add their impulses r to the unknowns v, and their equations R to Phi, of which then
+// A, X and dr/dtheta have rows (sim/contact/pair_elimination.h, pair_derivative.h); and to dg/dx_n at fixed v and r
+// what their weights do. `StepColumns` are over both: whoever sweeps need not know which contacts there are.
 //
 // A second stage (sim/step/second_start.h) starts from x_s and v_s in place of x_n and v_n. Its strain rate starts from
 // the metric C_s of x_n and x_1, so that h V dx_n gives way to h (V_n dx_n + V_1 dx_1), V_n = (1 - kappa) d2W/(dx dx_n)
@@ -42,24 +43,32 @@ class StepDerivative {
   // a point too far from this one: its pattern then serves the next Factor.
   bool UseFactor(std::shared_ptr<const ReducedFactor> factor);
   StepJacobian& jacobian() { return jacobian_; }
-  const ContactSet& contact_set() const { return contacts_; }               // what sticks or slips
-  const std::vector<Contact>& contacts() const { return contacts_.nodes; }  // at obstacles alone
-  // Of the cloth with itself; null: none is in contact.
-  const PairDerivative* pairs() const { return pairs_.get(); }
+  const ContactSet& contacts() const { return contacts_; }              // what sticks or slips
+  const PairDerivative& pairs() const { return pairs_; }                // of those of the cloth with itself
+  Eigen::Index num_impulses() const { return pairs_.friction.size(); }  // 3c, the rows of r and R
 
   double time_step() const { return record_.time_step; }  // h
   // Whether N is there, and may be asked for.
   bool has_prediction() const { return forces_.needs_prediction(); }
 
+  // dg/d(v, r): K dv - J^T dr; and the transpose.
+  Eigen::MatrixXd TimesUnknowns(const StepColumns& columns) const;
+  StepColumns TimesUnknownsTransposed(const Eigen::MatrixXd& columns) const;
+
   // On columns over the free nodes [3 Nf x s].
   Eigen::MatrixXd TimesMass(const Eigen::MatrixXd& columns) const;             // M y
-  Eigen::MatrixXd TimesVelocity(const Eigen::MatrixXd& columns) const;         // K y, dg/dv
   Eigen::MatrixXd TimesStart(const Eigen::MatrixXd& columns) const;            // h (H + V) y, dg/dx_n at fixed v and r
   Eigen::MatrixXd TimesStartTransposed(const Eigen::MatrixXd& columns) const;  // h (H + V^T) y
   Eigen::MatrixXd TimesPrediction(const Eigen::MatrixXd& columns) const;       // N y
   Eigen::MatrixXd TimesPredictionTransposed(const Eigen::MatrixXd& columns) const;  // N^T y
-  Eigen::MatrixXd TimesFrames(const Eigen::MatrixXd& columns) const;                // X y
-  Eigen::MatrixXd TimesFramesTransposed(const Eigen::MatrixXd& columns) const;      // X^T y
+  StepColumns TimesFrames(const Eigen::MatrixXd& columns) const;                    // X y
+  Eigen::MatrixXd TimesFramesTransposed(const StepColumns& columns) const;          // X^T z
+
+  // What the force of pairs upon handles at the end of the solve, sum w_i r/h [3H] N, gains by dr and dx_n, and the
+  // transpose, which it adds to both.
+  Eigen::MatrixXd TimesHandleForces(const Eigen::MatrixXd& impulses, const Eigen::MatrixXd& start) const;
+  void AddHandleForcesTransposed(const Eigen::MatrixXd& forces, Eigen::MatrixXd* impulses,
+                                 Eigen::MatrixXd* start) const;
 
   // Of a second stage, whose TimesStart is h H y: whether C_s, and with it g, depends on x_n and x_1.
   bool has_origins() const { return forces_.needs_origins() && start_.first_positions != nullptr; }
@@ -72,12 +81,12 @@ class StepDerivative {
   Eigen::VectorXd MomentumDerivative(ParameterId id) const;
   // dM/dtheta of every node [N] kg; null for a parameter that has no part in it.
   const Eigen::VectorXd* MassSlopes(ParameterId id) const;
-  // dr/dtheta [3 Nf] at fixed v and x_n; zero unless `id` is a parameter of contact.
-  Eigen::VectorXd ImpulseDerivative(ParameterId id) const;
+  // dr/dtheta at fixed v and x_n, and -dR/dtheta at fixed r, too; zero unless `id` is a parameter of contact.
+  StepColumns ImpulseDerivative(ParameterId id) const;
   // Of a placement: what it changes at every contact, nothing at those with other obstacles.
   std::vector<MotionChange> MotionChanges(ParameterId id) const;
 
-  // How the obstacle of one of `contacts()` moves there over the solve; null: it stands still.
+  // How the obstacle of one of `contacts().nodes` moves there over the solve; null: it stands still.
   const AffineMotion* motion_of(const Contact& contact) const;
 
  private:
@@ -101,7 +110,7 @@ class StepDerivative {
   std::vector<ObstacleMotion> motions_;        // empty where no obstacle moves
   ContactSet contacts_;                        // of the record
   std::vector<AffineMotion> contact_motions_;  // of their obstacles there, per contact; empty where no obstacle moves
-  std::unique_ptr<PairDerivative> pairs_;
+  PairDerivative pairs_;
 };
 
 }  // namespace clothid

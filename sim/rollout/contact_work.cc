@@ -5,7 +5,6 @@
 
 #include "sim/contact/contact_set.h"
 #include "sim/contact/impact_share.h"
-#include "sim/contact/pair_impact.h"
 #include "sim/rollout/energy_loss.h"
 #include "sim/rollout/simulator.h"
 #include "sim/step/obstacle_motions.h"

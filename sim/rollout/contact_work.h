@@ -2,8 +2,9 @@
 //
 // A solve of weight w (energy_loss.h) gives its contacts the impulses r at the velocities v of the nodes and V of the
 // obstacles' material points; in a first stage r is without what stopped an impact there and is not carried on
-// (sim/step/second_start.h): m u at an obstacle, L r of a pair of the cloth with itself (sim/contact/pair_impact.h). Of
-// a pair, u = sum w_i v_i is the relative velocity, of handles among its nodes V = sum w_i v_i. Sums over all contacts:
+// (sim/step/second_start.h): m u at an obstacle, L r of a pair of the cloth with itself (sim/contact/impact_share.h).
+// Of a pair, u = sum w_i v_i is the relative velocity, of handles among its nodes V = sum w_i v_i. Sums over all
+// contacts:
 //   work      w sum of r . V over obstacles, -w sum of r . V over pairs
 //                                     what the motion of obstacles and handles brings in; 0 where they stand still
 //   friction  -w sum of r . (v - V) over obstacles, -w sum of r . u over pairs

@@ -1,7 +1,5 @@
 #include "sim/step/second_start.h"
 
-#include "sim/contact/impact_share.h"
-
 namespace clothid {
 
 PairImpactNodes ImpactNodes(const ClothModel& model, const Material& material, const PairCandidate& pair,

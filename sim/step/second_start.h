@@ -17,14 +17,13 @@
 
 #include "sim/cloth/cloth_model.h"
 #include "sim/contact/contact_set.h"
-#include "sim/contact/pair_impact.h"
+#include "sim/contact/impact_share.h"
 #include "sim/scene/parameters.h"
 #include "sim/step/stage.h"
 
 namespace clothid {
 
 // After a first stage of size `time_step` eta from `start` to x_1 and v_1 [3N], in which `contacts` stuck or slipped.
-// Impacts of pairs of the cloth with itself are left out likewise (sim/contact/pair_impact.h).
 SecondStart StartSecondStage(const ClothModel& model, const Material& material, const SolveStart& start,
                              const Eigen::VectorXd& first_positions, const Eigen::VectorXd& first_velocities,
                              double time_step, const ContactSet& contacts);

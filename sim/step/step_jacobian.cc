@@ -130,6 +130,7 @@ std::shared_ptr<const CholeskyFactor> StepJacobian::FactorWithPairs() {
 bool StepJacobian::Factor(Method method) {
   method_ = method;
   if (method == Method::kLu) {
+    if (has_pairs()) return false;
     if (in_contact_) elimination_->FullJacobian(*hessian_, &values_);
     const ScopedTimer timer(&seconds_.factorization);
     if (lu_ == nullptr) lu_ = std::make_unique<LuFactor>(model_.pattern());
@@ -288,7 +289,8 @@ bool StepJacobian::Solve(const StepColumns& right, double tolerance, StepColumns
   const Eigen::MatrixXd lambda = q.bottomRows(rows.rows());
   solution->velocities = TopRows(std::move(q), rows.rows());
   if (in_contact_) solution->velocities += known;
-  if (may_have_pairs()) solution->impulses = pairs_->Impulses(lambda, right.impulses, solution->velocities);
+  solution->impulses =
+      may_have_pairs() ? pairs_->Impulses(lambda, right.impulses, solution->velocities) : right.impulses;
   return true;
 }
 
@@ -298,6 +300,7 @@ bool StepJacobian::SolveTransposed(const StepColumns& right, double tolerance, S
   iterations_ = 0;
   if (method_ == Method::kLu) {
     lu_->SolveTransposed(right.velocities, &z->velocities);
+    z->impulses = right.impulses;
     *y = z->velocities;
     if (in_contact_) elimination_->AddImpulseTransposed(y);
     return z->velocities.allFinite();
@@ -318,7 +321,7 @@ bool StepJacobian::SolveTransposed(const StepColumns& right, double tolerance, S
     if (has_pairs()) pairs_->SubtractForces(true, lambda, &balance);
     z->velocities = elimination_->RecoverAdjoint(momentum, z->velocities, balance);
   }
-  if (may_have_pairs()) z->impulses = pairs_->AdjointImpulses(-lambda, right.impulses, *y);
+  z->impulses = may_have_pairs() ? pairs_->AdjointImpulses(-lambda, right.impulses, *y) : right.impulses;
   return true;
 }
 

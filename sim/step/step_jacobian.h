@@ -42,10 +42,21 @@ struct ReducedFactor {
   std::size_t bytes() const;
 };
 
-// Columns over the unknowns or the equations of a step.
+// Columns over the unknowns (v, r) or the equations of a step.
 struct StepColumns {
   Eigen::MatrixXd velocities;     // [3 Nf x s]
   Eigen::MatrixXd impulses = {};  // of the pairs of the cloth with itself [3 c x s]; may be empty where there are none
+
+  StepColumns& operator+=(const StepColumns& other) {
+    velocities += other.velocities;
+    impulses += other.impulses;
+    return *this;
+  }
+  StepColumns& operator-=(const StepColumns& other) {
+    velocities -= other.velocities;
+    impulses -= other.impulses;
+    return *this;
+  }
 };
 
 class StepJacobian {
@@ -68,7 +79,7 @@ class StepJacobian {
 
   // Factors A at the point. Pairs in contact want a pattern of their own: that at hand, or, where it lacks one of them,
   // a new one that covers all pairs of the point, with a new order of elimination. False where the reduced matrix is
-  // not positive definite or A is singular; kLu: there must be no pairs in contact.
+  // not positive definite or A is singular, and for kLu where pairs are in contact.
   bool Factor(Method method);
 
   // Both at once.

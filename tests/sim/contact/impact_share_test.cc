@@ -90,9 +90,9 @@ TEST_P(ImpactDerivativeTest, IsTheDifference) {
   const auto velocity_at = [&](double s) {
     return ImpactVelocity(contact_at(s), kMass + s * kMassRate, change + s * d_change);
   };
-  const ImpactVelocityDerivative derivative = DifferentiateImpactVelocity(contact_at(0.0), kMass, change);
+  const ObstacleImpactDerivative derivative = DifferentiateImpact(contact_at(0.0), kMass, change);
   const Eigen::Vector3d actual = derivative.change * d_change + derivative.impulse * d_impulse +
-                                 derivative.position * d_position + derivative.mass * kMassRate;
+                                 derivative.position * d_position + derivative.masses * kMassRate;
   const Eigen::Vector3d expected = (velocity_at(1e-6) - velocity_at(-1e-6)) / 2e-6;
   EXPECT_LE((actual - expected).norm(), 1e-7 * expected.norm());
   EXPECT_EQ(expected.norm() > 0.0, GetParam() > 0.0);

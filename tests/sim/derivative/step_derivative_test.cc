@@ -119,8 +119,8 @@ TEST_F(StepDerivativeTest, TheStartBlocksAreTheDerivativeByTheStartPositions) {
   const Eigen::VectorXd direction = Random();
   const Eigen::VectorXd all = simulator_.model().ScatterColumns(direction);
   const Eigen::VectorXd derivative =
-      WithImpulse(derivative_->TimesStart(direction)) + derivative_->TimesFrames(direction).col(0);
-  EXPECT_GT(derivative_->TimesFrames(direction).norm(), 1e-3 * derivative.norm());
+      WithImpulse(derivative_->TimesStart(direction)) + derivative_->TimesFrames(direction).velocities.col(0);
+  EXPECT_GT(derivative_->TimesFrames(direction).velocities.norm(), 1e-3 * derivative.norm());
   ExpectNear(derivative,
              Difference(1e-8, [&](double s) { return Residual(solution_, x_ + s * all, v_, parameters_); }));
 }
@@ -134,9 +134,10 @@ TEST_F(StepDerivativeTest, TheMassIsTheDerivativeByTheStartVelocities) {
 
 TEST_F(StepDerivativeTest, TransposedBlocksAreTransposed) {
   const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(size(), size());
-  const Eigen::MatrixXd start = derivative_->TimesStart(identity), frames = derivative_->TimesFrames(identity);
+  const Eigen::MatrixXd start = derivative_->TimesStart(identity);
+  const Eigen::MatrixXd frames = derivative_->TimesFrames(identity).velocities;
   EXPECT_LT((derivative_->TimesStartTransposed(identity) - start.transpose()).norm(), 1e-13 * start.norm());
-  EXPECT_LT((derivative_->TimesFramesTransposed(identity) - frames.transpose()).norm(), 1e-15 * frames.norm());
+  EXPECT_LT((derivative_->TimesFramesTransposed({identity}) - frames.transpose()).norm(), 1e-15 * frames.norm());
   EXPECT_GT((start - start.transpose()).norm(), 1e-6 * start.norm());  // by V, of internal damping
 }
 
@@ -153,7 +154,7 @@ TEST_F(StepDerivativeTest, ParameterDerivativesAreDifferences) {
       SetParameter(id, value + s, &changed);
       return Residual(solution_, x_, v_, changed);
     };
-    ExpectNear(WithImpulse(derivative_->MomentumDerivative(id)) - derivative_->ImpulseDerivative(id),
+    ExpectNear(WithImpulse(derivative_->MomentumDerivative(id)) - derivative_->ImpulseDerivative(id).velocities.col(0),
                Difference(1e-5 * value, residual));
   }
 }
