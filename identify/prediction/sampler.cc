@@ -32,10 +32,10 @@ Eigen::MatrixXd AtFrames(const Eigen::MatrixXd& after_steps, const Eigen::Vector
 
 bool SlipsInMostContacts(const StepRecord& record) {
   const auto num_slips =
-      std::count_if(record.contacts.begin(), record.contacts.end(),
+      std::count_if(record.contacts.nodes.begin(), record.contacts.nodes.end(),
                     [](const ContactRecord& contact) { return contact.branch == ContactBranch::kSlip; });
   const auto num_touching =
-      std::count_if(record.contacts.begin(), record.contacts.end(),
+      std::count_if(record.contacts.nodes.begin(), record.contacts.nodes.end(),
                     [](const ContactRecord& contact) { return contact.branch != ContactBranch::kTakeOff; });
   return 2 * num_slips > num_touching;
 }

@@ -1,7 +1,8 @@
-// All contacts of a cloth in a solve.
+// All contacts of a cloth in a solve, and what a rollout keeps of them.
 #ifndef CLOTHID_SIM_CONTACT_CONTACT_SET_H_
 #define CLOTHID_SIM_CONTACT_CONTACT_SET_H_
 
+#include <cstddef>
 #include <vector>
 
 #include "sim/contact/contact.h"
@@ -15,6 +16,22 @@ struct ContactSet {
 
   bool empty() const { return nodes.empty() && pairs.empty(); }
 };
+
+// Of a ContactSet, in its order.
+struct ContactRecords {
+  std::vector<ContactRecord> nodes = {};
+  std::vector<PairContactRecord> pairs = {};
+
+  bool empty() const { return nodes.empty() && pairs.empty(); }
+  std::size_t bytes() const {
+    return nodes.capacity() * sizeof(ContactRecord) + pairs.capacity() * sizeof(PairContactRecord);
+  }
+};
+
+ContactRecords RecordContacts(const ContactSet& contacts);
+
+// Whether the same contacts are in the same branches.
+bool HaveSameBranches(const ContactRecords& one, const ContactRecords& other);
 
 }  // namespace clothid
 

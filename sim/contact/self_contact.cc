@@ -10,6 +10,20 @@ constexpr double kPushRate = 20.0;
 
 }  // namespace
 
+void PairCandidate::SetNodes(const Eigen::VectorXd& velocities, const Eigen::Vector4d& weights) {
+  held_velocity.setZero();
+  double compliance = 0.0;
+  for (int i = 0; i < features.num_nodes(); ++i) {
+    const double w = geometry.weights[i];
+    if (blocks[i] >= 0) {
+      compliance += w * w / weights[i];
+    } else {
+      held_velocity += w * velocities.segment<3>(3 * features.nodes[i]);
+    }
+  }
+  weight = 1.0 / compliance;
+}
+
 Eigen::Vector3d PairCandidate::RelativeVelocity(const Eigen::VectorXd& velocities) const {
   Eigen::Vector3d velocity = held_velocity;
   for (int i = 0; i < 4; ++i) {

@@ -37,6 +37,9 @@ struct PairCandidate {
   bool has_friction = true;
 
   double FrictionOf(double friction_coefficient) const { return has_friction ? friction_coefficient : 0.0; }
+  // Sets `held_velocity` and `weight`, from the velocities of all nodes [3N], of which those of handles count, and d of
+  // the pair's nodes, in its order.
+  void SetNodes(const Eigen::VectorXd& velocities, const Eigen::Vector4d& weights);
   // u from the velocities of the free nodes [3 Nf].
   Eigen::Vector3d RelativeVelocity(const Eigen::VectorXd& velocities) const;
 };

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "sim/contact/contact_set.h"
 #include "sim/contact/impact_share.h"
 #include "sim/rollout/energy_loss.h"
 #include "sim/rollout/simulator.h"
@@ -44,7 +43,7 @@ void AddPair(const PairContact& contact, const StepRecord& record, const PairImp
 
 void AddSolve(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
               const Simulator& simulator, ContactWork* work) {
-  if (record.contacts.empty() && record.pairs.empty()) return;
+  if (record.contacts.empty()) return;
   const ClothModel& model = simulator.model();
   const std::vector<ObstacleMotion> motions = ObstacleMotions(model.scene(), parameters, record.times());
   const ContactSet contacts = RestoreContacts(record, start.positions, motions, parameters, model);

@@ -31,17 +31,17 @@ class NodeSets {
 };
 
 std::vector<CorrectionGroup> GroupsOf(const StepRecord& record, const ClothModel& model) {
-  if (record.pairs.empty()) return {};
+  if (record.contacts.pairs.empty()) return {};
   const int num_nodes = model.num_nodes();
   NodeSets sets(num_nodes);
   std::vector<char> touches(num_nodes, 0), stays(num_nodes, 0);
-  for (const PairContactRecord& pair : record.pairs) {
+  for (const PairContactRecord& pair : record.contacts.pairs) {
     for (int i = 0; i < pair.features.num_nodes(); ++i) {
       touches[pair.features.nodes[i]] = 1;
       sets.Join(pair.features.nodes[0], pair.features.nodes[i]);
     }
   }
-  for (const ContactRecord& contact : record.contacts) stays[contact.node] = 1;
+  for (const ContactRecord& contact : record.contacts.nodes) stays[contact.node] = 1;
   for (const int handle : model.scene().handles.nodes) stays[handle] = 1;
   std::vector<CorrectionGroup> groups;
   std::vector<int> place(num_nodes, -1);  // by what stands for the set
@@ -77,15 +77,16 @@ std::vector<CorrectionLimit> LimitByObstacles(const StepRecord& record, const Pa
   std::vector<CorrectionLimit> limits;
   if (!model.has_contact()) return limits;
   const std::vector<ObstacleMotion> motions = ObstacleMotions(model.scene(), parameters, TimesAfter(record));
+  const std::vector<ContactRecord>& contacts = record.contacts.nodes;
   std::size_t next = 0;  // contacts ascend
   for (int node = 0; node < model.num_nodes(); ++node) {
     if (model.free_index()[node] < 0) continue;
-    while (next < record.contacts.size() && record.contacts[next].node < node) ++next;
+    while (next < contacts.size() && contacts[next].node < node) ++next;
     CorrectionLimit limit;
     limit.node = node;
-    limit.touches = next < record.contacts.size() && record.contacts[next].node == node;
+    limit.touches = next < contacts.size() && contacts[next].node == node;
     if (limit.touches) {
-      limit.obstacle = record.contacts[next].obstacle;
+      limit.obstacle = contacts[next].obstacle;
     } else {
       ContactCandidate candidate;
       FindCandidate(model, node, record.positions, /*gap_time=*/1.0, motions, &candidate);

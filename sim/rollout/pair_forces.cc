@@ -2,19 +2,15 @@
 
 #include <algorithm>
 #include <vector>
-
-#include "sim/step/step_problem.h"
-
 namespace clothid {
 
 Eigen::VectorXd PairForces(const ClothModel& model, const Parameters& parameters, const StepRecord& record) {
   const std::vector<int>& handles = model.scene().handles.nodes;
   Eigen::VectorXd forces = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(handles.size()));
-  if (record.pairs.empty()) return forces;
+  if (record.contacts.pairs.empty()) return forces;
   const double h = record.time_step;
   const Eigen::VectorXd start = record.positions - h * record.velocities;
-  for (const PairContact& contact :
-       RestorePairs(model, parameters, start, record.velocities, record.times(), record.pairs)) {
+  for (const PairContact& contact : RestoreContacts(record, start, {}, parameters, model).pairs) {
     const PairCandidate& pair = contact.candidate;
     for (int i = 0; i < pair.features.num_nodes(); ++i) {
       if (pair.blocks[i] >= 0) continue;

@@ -88,19 +88,17 @@ const Eigen::VectorXd& Rollout::positions(int step) const {
 
 std::size_t Rollout::bytes() const {
   std::size_t numbers = initial_positions.size() + initial_velocities.size();
-  std::size_t contacts = 0, pairs = 0;
-  std::size_t factors = 0;
+  std::size_t contacts = 0, factors = 0;
   const ReducedFactor* last_factor = nullptr;
   for (const StepRecord& record : records) {
     if (record.factor != nullptr && record.factor.get() != last_factor) factors += record.factor->bytes();
     last_factor = record.factor.get();
     numbers += record.positions.size() + record.velocities.size();
     if (record.correction != nullptr) numbers += 2 * record.correction->positions.size();
-    contacts += record.contacts.capacity();
-    pairs += record.pairs.capacity();
+    contacts += record.contacts.bytes();
   }
-  return factors + numbers * sizeof(double) + contacts * sizeof(ContactRecord) + pairs * sizeof(PairContactRecord) +
-         records.capacity() * sizeof(StepRecord) + last_record.capacity() * sizeof(int) + sizeof(*this);
+  return factors + numbers * sizeof(double) + contacts + records.capacity() * sizeof(StepRecord) +
+         last_record.capacity() * sizeof(int) + sizeof(*this);
 }
 
 int CheckpointInterval(const ClothModel& model, int num_steps, std::size_t memory_limit) {

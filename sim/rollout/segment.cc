@@ -195,37 +195,22 @@ class StepLoop {
       *failure = DescribeFailure(step, StepSolver::Tolerance(problem, tolerance_, point_), point_);
       return false;
     }
-    StepRecord record{times.end_time,      times.time_step, point_.positions, problem.AllVelocities(point_), {},
-                      solver.end_factor(), times.stage};
     problem.FindClosedContacts(point_, &contacts_);
-    record.contacts = RecordContacts(contacts_.nodes);
-    record.pairs = RecordPairs(contacts_.pairs);
-    records->push_back(std::move(record));
+    records->push_back({times.end_time, times.time_step, point_.positions, problem.AllVelocities(point_),
+                        RecordContacts(contacts_), solver.end_factor(), times.stage});
     return true;
   }
 
   void CountStep(const std::vector<StepRecord>& records, StepState* state) {
     ++outcome_.counts.steps;
     outcome_.counts.substeps += static_cast<int>(records.size()) / num_stages_ - 1;
-    if (scene_.self_contact) CountPairs(records, state);
-    if (!simulator_->model().has_contact()) return;
-    const std::vector<ContactRecord>* before = state->contacts ? &*state->contacts : &records[num_stages_ - 1].contacts;
+    const ContactRecords* before = state->contacts ? &*state->contacts : &records[num_stages_ - 1].contacts;
     for (const StepRecord& record : records) {
       if (!record.ends_step()) continue;
       CountContactChanges(*before, record.contacts, &outcome_.counts);
       before = &record.contacts;
     }
     state->contacts = *before;
-  }
-
-  void CountPairs(const std::vector<StepRecord>& records, StepState* state) {
-    const std::vector<PairContactRecord>* before = state->pairs ? &*state->pairs : &records[num_stages_ - 1].pairs;
-    for (const StepRecord& record : records) {
-      if (!record.ends_step()) continue;
-      CountPairChanges(*before, record.pairs, &outcome_.counts);
-      before = &record.pairs;
-    }
-    state->pairs = *before;
   }
 
   const Parameters& parameters_;

@@ -8,7 +8,6 @@
 #include <optional>
 #include <vector>
 
-#include "sim/contact/contact.h"
 #include "sim/rollout/step_record.h"
 #include "sim/scene/parameters.h"
 #include "sim/step/step_counts.h"
@@ -25,8 +24,7 @@ struct StepState {
   Eigen::VectorXd positions;   // x_n [3N] m
   Eigen::VectorXd velocities;  // v_n [3N] m/s
   // At the end of the last solve. Absent at the start of a rollout: the contacts of its first solve have not joined.
-  std::optional<std::vector<ContactRecord>> contacts = std::nullopt;
-  std::optional<std::vector<PairContactRecord>> pairs = std::nullopt;  // likewise
+  std::optional<ContactRecords> contacts = std::nullopt;
 };
 
 // The start of a rollout: that of the scene, but with `initial_positions` [3N] m and `initial_velocities` [3N] m/s

@@ -14,7 +14,7 @@ namespace clothid {
 namespace {
 
 bool HasDependentPair(const StepRecord& record) {
-  return std::any_of(record.pairs.begin(), record.pairs.end(),
+  return std::any_of(record.contacts.pairs.begin(), record.contacts.pairs.end(),
                      [](const PairContactRecord& pair) { return !pair.has_friction; });
 }
 

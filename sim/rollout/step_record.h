@@ -7,15 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "sim/contact/contact.h"
-#include "sim/contact/self_contact.h"
+#include "sim/contact/contact_set.h"
 #include "sim/scene/parameters.h"
 #include "sim/step/stage.h"
 
 namespace clothid {
 
 class ClothModel;
-struct ContactSet;      // sim/contact/contact_set.h
 struct CorrectedState;  // sim/rollout/correction.h
 struct ReducedFactor;   // sim/step/step_jacobian.h
 
@@ -23,16 +21,15 @@ struct ReducedFactor;   // sim/step/step_jacobian.h
 // With stages the first comes before the second, whose start is not the state of the record before it: see
 // RecordReader.
 struct StepRecord {
-  double time = 0.0;                    // at the end of the solve, s
-  double time_step = 0.0;               // h of this solve, eta of a stage, s
-  Eigen::VectorXd positions;            // x_{n+1} [3N] m
-  Eigen::VectorXd velocities;           // v_{n+1} [3N] m/s
-  std::vector<ContactRecord> contacts;  // the sticking and slipping nodes, ascending
+  double time = 0.0;           // at the end of the solve, s
+  double time_step = 0.0;      // h of this solve, eta of a stage, s
+  Eigen::VectorXd positions;   // x_{n+1} [3N] m
+  Eigen::VectorXd velocities;  // v_{n+1} [3N] m/s
+  ContactRecords contacts;     // those that stick or slip
   // Of the step Jacobian at the end of the step, or so near to it that few iterations make up for that. Steps that did
   // not need a factor of their own share one. Null: none is kept.
   std::shared_ptr<const ReducedFactor> factor;
   Stage stage = Stage::kOnly;
-  std::vector<PairContactRecord> pairs = {};  // of the cloth with itself, in contact
   // What the next solve starts from where the end of the step is corrected; null: positions and velocities.
   std::shared_ptr<const CorrectedState> correction = nullptr;
 

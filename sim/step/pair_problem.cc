@@ -8,26 +8,6 @@
 namespace clothid {
 namespace {
 
-// v_i of every handle of a pair, weighed, from their way over a solve of size `time_step`.
-Eigen::Vector3d HeldVelocity(const PairCandidate& pair, const Eigen::VectorXd& velocities) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (int i = 0; i < pair.features.num_nodes(); ++i) {
-    if (pair.blocks[i] < 0) sum += pair.geometry.weights[i] * velocities.segment<3>(3 * pair.features.nodes[i]);
-  }
-  return sum;
-}
-
-// d of a pair, of which a node is free.
-template <typename WeightOf>
-double PairWeight(const PairCandidate& pair, const WeightOf& weight_of) {
-  double compliance = 0.0;
-  for (int i = 0; i < pair.features.num_nodes(); ++i) {
-    const double w = pair.geometry.weights[i];
-    if (pair.blocks[i] >= 0) compliance += w * w / weight_of(i);
-  }
-  return 1.0 / compliance;
-}
-
 // Pairs whose gaps differ by less than this share of the thickness are equally near.
 constexpr double kTie = 0.5;
 // Nodes nearer to an obstacle than this share of the thickness are likely to stick to it.
@@ -75,8 +55,11 @@ void StepProblem::FindPairs(const SolveStart& start, double gap_time) {
                                            scene.depenetration_speed);
     const auto& blocks = pair.blocks;
     if (*std::max_element(blocks.begin(), blocks.end()) < 0) continue;  // of handles alone: nothing can give way
-    pair.held_velocity = HeldVelocity(pair, held);
-    pair.weight = PairWeight(pair, [&](int i) { return work_.weights[pair.blocks[i]]; });
+    Eigen::Vector4d weights = Eigen::Vector4d::Zero();
+    for (int i = 0; i < 4; ++i) {
+      if (blocks[i] >= 0) weights[i] = work_.weights[blocks[i]];
+    }
+    pair.SetNodes(held, weights);
     work_.pairs.push_back(pair);
   }
   std::vector<bool> can_follow(model_.num_nodes());
@@ -138,38 +121,6 @@ std::vector<PairContact> StepProblem::PairsAt(const StepPoint& point) const {
   for (std::size_t c = 0; c < work_.pairs.size(); ++c) {
     contacts.push_back({work_.pairs[c], point.pairs->responses[c], point.pairs->forces[c],
                         work_.pairs[c].FrictionOf(self_friction())});
-  }
-  return contacts;
-}
-
-std::vector<PairContactRecord> RecordPairs(const std::vector<PairContact>& contacts) {
-  std::vector<PairContactRecord> records;
-  for (const PairContact& contact : contacts) {
-    records.push_back(
-        {contact.candidate.features, contact.force, contact.response.branch, contact.candidate.has_friction});
-  }
-  return records;
-}
-
-std::vector<PairContact> RestorePairs(const ClothModel& model, const Parameters& parameters,
-                                      const Eigen::VectorXd& start_positions, const Eigen::VectorXd& end_velocities,
-                                      const SolveTimes& times, const std::vector<PairContactRecord>& records) {
-  const Scene& scene = model.scene();
-  std::vector<PairContact> contacts;
-  for (const PairContactRecord& record : records) {
-    PairContact contact;
-    contact.candidate = MakePairCandidate(record.features, start_positions, model.free_index(),
-                                          scene.self_contact->thickness, times.gap_time(), scene.depenetration_speed);
-    contact.candidate.held_velocity = HeldVelocity(contact.candidate, end_velocities);
-    contact.candidate.weight = PairWeight(contact.candidate, [&](int i) {
-      return SystemDiagonal(model, parameters.material, times.time_step, record.features.nodes[i]);
-    });
-    contact.candidate.has_friction = record.has_friction;
-    contact.force = record.force;
-    contact.friction_coefficient = contact.candidate.FrictionOf(parameters.self_friction);
-    contact.response =
-        EvaluateContactLaw(record.force, contact.candidate.geometry.normal, contact.friction_coefficient);
-    contacts.push_back(contact);
   }
   return contacts;
 }

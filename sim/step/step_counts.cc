@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <iterator>
+#include <vector>
 
 namespace clothid {
 namespace {
@@ -16,6 +17,22 @@ constexpr int RolloutCounts::*kCounts[] = {&RolloutCounts::steps,           &Rol
                                            &RolloutCounts::second_solves};
 static_assert(sizeof(RolloutCounts) == sizeof(int) * std::size(kCounts), "every count is listed");
 
+bool Precedes(const ContactRecord& a, const ContactRecord& b) { return a.node < b.node; }
+bool Precedes(const PairContactRecord& a, const PairContactRecord& b) { return a.features < b.features; }
+
+// Calls `visit` with every contact as it was and is, null where it was not or is not. Both are in ascending order.
+template <class Record, class Function>
+void Match(const std::vector<Record>& before, const std::vector<Record>& after, const Function& visit) {
+  size_t i = 0, j = 0;
+  while (i < before.size() || j < after.size()) {
+    const bool left = j == after.size() || (i < before.size() && Precedes(before[i], after[j]));
+    const bool joined = i == before.size() || (j < after.size() && Precedes(after[j], before[i]));
+    visit(joined ? nullptr : &before[i], left ? nullptr : &after[j]);
+    if (!joined) ++i;
+    if (!left) ++j;
+  }
+}
+
 }  // namespace
 
 RolloutCounts& RolloutCounts::operator+=(const RolloutCounts& other) {
@@ -28,37 +45,22 @@ RolloutCounts& RolloutCounts::operator-=(const RolloutCounts& other) {
   return *this;
 }
 
-void CountContactChanges(const std::vector<ContactRecord>& before, const std::vector<ContactRecord>& after,
-                         RolloutCounts* counts) {
-  counts->contacts += static_cast<int>(after.size());
-  size_t i = 0, j = 0;  // both are in ascending order of nodes
-  while (i < before.size() || j < after.size()) {
-    const bool left = j == after.size() || (i < before.size() && before[i].node < after[j].node);
-    const bool joined = i == before.size() || (j < after.size() && after[j].node < before[i].node);
-    if (left) {
+void CountContactChanges(const ContactRecords& before, const ContactRecords& after, RolloutCounts* counts) {
+  counts->contacts += static_cast<int>(after.nodes.size());
+  counts->self_contacts += static_cast<int>(after.pairs.size());
+  Match(before.nodes, after.nodes, [&](const ContactRecord* was, const ContactRecord* is) {
+    if (is == nullptr) {
       ++counts->nodes_left;
-    } else if (joined) {
+    } else if (was == nullptr) {
       ++counts->nodes_joined;
     } else {
-      counts->branch_switches += before[i].branch != after[j].branch;
-      counts->obstacle_switches += before[i].obstacle != after[j].obstacle;
+      counts->branch_switches += was->branch != is->branch;
+      counts->obstacle_switches += was->obstacle != is->obstacle;
     }
-    if (!joined) ++i;
-    if (!left) ++j;
-  }
-}
-
-void CountPairChanges(const std::vector<PairContactRecord>& before, const std::vector<PairContactRecord>& after,
-                      RolloutCounts* counts) {
-  counts->self_contacts += static_cast<int>(after.size());
-  size_t i = 0, j = 0;
-  while (i < before.size() || j < after.size()) {
-    const bool left = j == after.size() || (i < before.size() && before[i].features < after[j].features);
-    const bool joined = i == before.size() || (j < after.size() && after[j].features < before[i].features);
-    counts->pair_changes += left || joined || before[i].branch != after[j].branch;
-    if (!joined) ++i;
-    if (!left) ++j;
-  }
+  });
+  Match(before.pairs, after.pairs, [&](const PairContactRecord* was, const PairContactRecord* is) {
+    counts->pair_changes += was == nullptr || is == nullptr || was->branch != is->branch;
+  });
 }
 
 }  // namespace clothid

@@ -2,10 +2,7 @@
 #ifndef CLOTHID_SIM_STEP_STEP_COUNTS_H_
 #define CLOTHID_SIM_STEP_STEP_COUNTS_H_
 
-#include <vector>
-
-#include "sim/contact/contact.h"
-#include "sim/contact/self_contact.h"
+#include "sim/contact/contact_set.h"
 
 namespace clothid {
 
@@ -38,12 +35,7 @@ struct RolloutCounts {
 };
 
 // Adds the contacts `after` a solve, and their changes since the one before it, to `counts`.
-void CountContactChanges(const std::vector<ContactRecord>& before, const std::vector<ContactRecord>& after,
-                         RolloutCounts* counts);
-
-// The same of pairs of the cloth with itself, in ascending order.
-void CountPairChanges(const std::vector<PairContactRecord>& before, const std::vector<PairContactRecord>& after,
-                      RolloutCounts* counts);
+void CountContactChanges(const ContactRecords& before, const ContactRecords& after, RolloutCounts* counts);
 
 }  // namespace clothid
 

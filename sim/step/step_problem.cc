@@ -9,14 +9,6 @@
 namespace clothid {
 namespace {
 
-// See Contact::obstacle_gain.
-Eigen::Vector3d ObstacleGain(const std::vector<ObstacleMotion>& motions, const ContactCandidate& candidate,
-                             const Eigen::VectorXd& start_positions) {
-  if (motions.empty()) return Eigen::Vector3d::Zero();
-  const Eigen::Vector3d position = start_positions.segment<3>(3 * candidate.node);
-  return motions[candidate.obstacle].Near(position).velocity_change().At(position);
-}
-
 double TangentialSpeed(const Eigen::Vector3d& velocity, const Eigen::Vector3d& normal) {
   return (velocity - normal.dot(velocity) * normal).norm();
 }
@@ -50,32 +42,6 @@ void AssembleStepHessian(const ClothModel& model, HessianKind kind, const ForceP
   for (int i = 0; nodes.has_density_field() && i < model.num_free(); ++i) {
     hessian->block(pattern.Diagonal(i)).diagonal().array() += nodes.FurtherSlope(material, h, model.free_nodes()[i]);
   }
-}
-
-std::vector<ContactRecord> RecordContacts(const std::vector<Contact>& contacts) {
-  std::vector<ContactRecord> records;
-  records.reserve(contacts.size());
-  for (const Contact& contact : contacts) {
-    records.push_back({contact.candidate.node, contact.candidate.obstacle, contact.response.branch, contact.force});
-  }
-  return records;
-}
-
-std::vector<Contact> RestoreContacts(const ClothModel& model, const Parameters& parameters,
-                                     const Eigen::VectorXd& start_positions, const SolveTimes& times,
-                                     const std::vector<ObstacleMotion>& motions,
-                                     const std::vector<ContactRecord>& records) {
-  std::vector<Contact> contacts;
-  contacts.reserve(records.size());
-  for (const ContactRecord& record : records) {
-    ContactCandidate candidate;
-    FindCandidate(model, record.node, start_positions, times.gap_time(), motions, &candidate);
-    const double mu = parameters.friction_coefficients[record.obstacle];
-    contacts.push_back({candidate, EvaluateContactLaw(record.force, candidate.normal, mu), record.force,
-                        SystemDiagonal(model, parameters.material, times.time_step, record.node),
-                        ObstacleGain(motions, candidate, start_positions), mu});
-  }
-  return contacts;
 }
 
 StepProblem::StepProblem(const ClothModel& model, const Parameters& parameters, const SolveStart& start,
@@ -308,7 +274,8 @@ void StepProblem::FindNodes(const StepPoint& point, std::vector<Contact>* contac
   for (size_t i = 0; i < work_.candidates.size(); ++i) {
     if (point.responses[i].branch == ContactBranch::kTakeOff) continue;
     contacts->push_back({work_.candidates[i], point.responses[i], point.forces[i], weight(static_cast<int>(i)),
-                         ObstacleGain(work_.motions, work_.candidates[i], work_.start_positions),
+                         ObstacleGain(work_.motions, work_.candidates[i].obstacle,
+                                      work_.start_positions.segment<3>(3 * work_.candidates[i].node)),
                          friction_coefficient(static_cast<int>(i))});
   }
 }

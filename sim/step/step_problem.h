@@ -85,21 +85,6 @@ struct StepWorkspace {
 void AssembleStepHessian(const ClothModel& model, HessianKind kind, const ForcePoint& point, const HeldForces& held,
                          BlockMatrix* hessian);
 
-// What a rollout keeps of contacts.
-std::vector<ContactRecord> RecordContacts(const std::vector<Contact>& contacts);
-std::vector<PairContactRecord> RecordPairs(const std::vector<PairContact>& contacts);
-
-// The contacts behind `records` of a solve from `start_positions` x_n [3N], over which obstacles have `motions`: the
-// numbers of its solver to the last bit.
-std::vector<Contact> RestoreContacts(const ClothModel& model, const Parameters& parameters,
-                                     const Eigen::VectorXd& start_positions, const SolveTimes& times,
-                                     const std::vector<ObstacleMotion>& motions,
-                                     const std::vector<ContactRecord>& records);
-// Likewise, with the velocities [3N] at the end of the solve, of which those of handles count.
-std::vector<PairContact> RestorePairs(const ClothModel& model, const Parameters& parameters,
-                                      const Eigen::VectorXd& start_positions, const Eigen::VectorXd& end_velocities,
-                                      const SolveTimes& times, const std::vector<PairContactRecord>& records);
-
 // d_j of node `node` in a solve of size `time_step`, kg.
 double SystemDiagonal(const ClothModel& model, const Material& material, double time_step, int node);
 

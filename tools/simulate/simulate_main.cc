@@ -93,7 +93,7 @@ int CountStick(const Rollout& rollout) {
   int num_stick = 0;
   for (const StepRecord& record : rollout.records) {
     if (!record.ends_step()) continue;
-    for (const ContactRecord& contact : record.contacts) num_stick += contact.branch == ContactBranch::kStick;
+    for (const ContactRecord& contact : record.contacts.nodes) num_stick += contact.branch == ContactBranch::kStick;
   }
   return num_stick;
 }

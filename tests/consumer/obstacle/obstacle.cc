@@ -82,7 +82,7 @@ void CheckGradient(double mu, clothid::Simulator* simulator) {
   const double plus = weights.dot(RolloutAt(mu + step, simulator).positions(last));
   const double minus = weights.dot(RolloutAt(mu - step, simulator).positions(last));
   std::printf("contacts_in_last_step %zu\nadjoint %.9g\ncentral_difference %.9g\n",
-              rollout.records.back().contacts.size(), adjoint, (plus - minus) / (2.0 * step));
+              rollout.records.back().contacts.nodes.size(), adjoint, (plus - minus) / (2.0 * step));
 }
 
 //! [recording]

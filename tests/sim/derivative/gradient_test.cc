@@ -236,7 +236,7 @@ TEST_P(GradientOnTrianglesTest, AdjointEqualsSensitivityEqualsDifferences) {
   const Rollout& rollout = gradient.rollout();
   int on_faces = 0, off_faces = 0;
   for (int step = 1; step < rollout.num_steps(); ++step) {
-    for (const ContactRecord& contact : rollout.records[rollout.last_record[step]].contacts) {
+    for (const ContactRecord& contact : rollout.records[rollout.last_record[step]].contacts.nodes) {
       const Eigen::Vector3d start = rollout.positions(step).segment<3>(3 * contact.node);
       const bool is_flat = scene.obstacles[0].shape->Closest(start).normal_gradient.isZero(0.0);
       ++(is_flat ? on_faces : off_faces);

@@ -213,7 +213,7 @@ TEST_P(HandleDerivativeTest, OfCorrectedRollouts) {
 // Handles are among the nodes of the pairs in contact, those of an impact, too.
 TEST_P(HandleDerivativeTest, OfPairsThatTouchThem) {
   HandleCase handles(LayersScene(GetParam()), 1e-4);
-  const std::vector<PairContactRecord>& pairs = handles.rollout().records.back().pairs;
+  const std::vector<PairContactRecord>& pairs = handles.rollout().records.back().contacts.pairs;
   ASSERT_TRUE(std::any_of(pairs.begin(), pairs.end(), [&](const PairContactRecord& pair) {
     const std::vector<int>& held = handles.scene().handles.nodes;
     return std::find(held.begin(), held.end(), pair.features.nodes[1]) != held.end();

@@ -3,7 +3,6 @@
 #define CLOTHID_TESTS_SIM_DERIVATIVE_SAME_BRANCHES_H_
 
 #include <cstddef>
-#include <vector>
 
 #include "sim/rollout/correction.h"
 #include "sim/rollout/rollout.h"
@@ -29,16 +28,7 @@ inline bool HaveSameBranches(const Rollout& one, const Rollout& other) {
   if (!one.ok() || !other.ok() || one.records.size() != other.records.size()) return false;
   for (std::size_t i = 0; i < one.records.size(); ++i) {
     if (!HaveSameLimits(one.records[i].correction.get(), other.records[i].correction.get())) return false;
-    const std::vector<ContactRecord>&a = one.records[i].contacts, &b = other.records[i].contacts;
-    if (a.size() != b.size()) return false;
-    for (std::size_t j = 0; j < a.size(); ++j) {
-      if (a[j].node != b[j].node || a[j].obstacle != b[j].obstacle || a[j].branch != b[j].branch) return false;
-    }
-    const std::vector<PairContactRecord>&c = one.records[i].pairs, &d = other.records[i].pairs;
-    if (c.size() != d.size()) return false;
-    for (std::size_t j = 0; j < c.size(); ++j) {
-      if (!(c[j].features == d[j].features) || c[j].branch != d[j].branch) return false;
-    }
+    if (!HaveSameBranches(one.records[i].contacts, other.records[i].contacts)) return false;
   }
   return true;
 }

@@ -92,7 +92,7 @@ TEST_P(SelfContactDerivativeTest, FactorsThatAreKeptServe) {
   int num_with_pairs = 0;
   for (const StepRecord& record : kept.rollout.records) {
     EXPECT_NE(record.factor, nullptr);
-    num_with_pairs += !record.pairs.empty();
+    num_with_pairs += !record.contacts.pairs.empty();
   }
   EXPECT_GT(num_with_pairs, 2);
   for (const StepRecord& record : none.rollout.records) EXPECT_EQ(record.factor, nullptr);

@@ -61,7 +61,7 @@ TEST_P(ShapeGradientTest, AdjointEqualsSensitivityEqualsDifferences) {
   std::set<int> touching;
   int curved = 0;
   for (int step = 1; step < rollout.num_steps(); ++step) {
-    for (const ContactRecord& contact : rollout.records[rollout.last_record[step]].contacts) {
+    for (const ContactRecord& contact : rollout.records[rollout.last_record[step]].contacts.nodes) {
       const Vector3d start = rollout.positions(step).segment<3>(3 * contact.node);
       touching.insert(contact.node);
       curved += scene.obstacles[0].shape->Closest(start).normal_gradient.norm() > 1.0;

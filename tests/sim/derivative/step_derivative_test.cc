@@ -53,7 +53,7 @@ class StepDerivativeTest : public ::testing::Test {
   }
 
   static std::ptrdiff_t Count(const StepRecord& record, ContactBranch branch) {
-    return std::count_if(record.contacts.begin(), record.contacts.end(),
+    return std::count_if(record.contacts.nodes.begin(), record.contacts.nodes.end(),
                          [branch](const ContactRecord& contact) { return contact.branch == branch; });
   }
 
@@ -73,10 +73,7 @@ class StepDerivativeTest : public ::testing::Test {
                               &simulator_.step_workspace());
     StepPoint point;
     problem.Evaluate(velocities, &point);
-    const std::vector<ContactRecord> contacts = RecordContacts(problem.ContactsAt(point).nodes);
-    EXPECT_TRUE(std::equal(
-        contacts.begin(), contacts.end(), record_.contacts.begin(), record_.contacts.end(),
-        [](const ContactRecord& a, const ContactRecord& b) { return a.node == b.node && a.branch == b.branch; }));
+    EXPECT_TRUE(HaveSameBranches(RecordContacts(problem.ContactsAt(point)), record_.contacts));
     return point.residual;
   }
 

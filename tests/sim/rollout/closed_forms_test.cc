@@ -98,8 +98,8 @@ TEST_P(InclineTest, SticksWhereTheFrictionConeHoldsTheSlope) {
     const Rollout rollout = SimulateNominal(MakeScene(factor * std::tan(angle())), kInclineSteps);
     EXPECT_LE(TranslationError(rollout, kInclineSteps, Eigen::Vector3d::Zero()), 1e-10) << "factor " << factor;
     for (const StepRecord& record : rollout.records) {
-      for (const ContactRecord& contact : record.contacts) EXPECT_EQ(contact.branch, ContactBranch::kStick);
-      EXPECT_EQ(record.contacts.size(), 36u);
+      for (const ContactRecord& contact : record.contacts.nodes) EXPECT_EQ(contact.branch, ContactBranch::kStick);
+      EXPECT_EQ(record.contacts.nodes.size(), 36u);
     }
   }
 }
@@ -113,10 +113,10 @@ TEST_P(InclineTest, SlidesWithTheAccelerationOfCoulombFriction) {
     const double acceleration = kGravity * (std::sin(angle()) - mu * std::cos(angle()));
     const double way = acceleration * scene.time_step * scene.time_step * kInclineSteps * (kInclineSteps + 1) / 2.0;
     EXPECT_LE(TranslationError(rollout, kInclineSteps, way * downhill()), 1e-9) << "factor " << factor;
-    for (const ContactRecord& contact : rollout.records.back().contacts) {
+    for (const ContactRecord& contact : rollout.records.back().contacts.nodes) {
       EXPECT_EQ(contact.branch, ContactBranch::kSlip);
     }
-    EXPECT_EQ(rollout.records.back().contacts.size(), 36u);
+    EXPECT_EQ(rollout.records.back().contacts.nodes.size(), 36u);
   }
 }
 

@@ -84,7 +84,7 @@ class Jumps {
         const Rollout rollout = Simulate(start.nominal_parameters(), 1, &simulator);
         EXPECT_TRUE(rollout.ok());
         velocities.push_back(rollout.records.back().velocities);
-        for (const ContactRecord& contact : rollout.records.back().contacts) branches_.insert(contact.branch);
+        for (const ContactRecord& contact : rollout.records.back().contacts.nodes) branches_.insert(contact.branch);
       }
       lines_.push_back(std::move(velocities));
     }

@@ -81,7 +81,7 @@ TEST_P(CorrectionTest, KeepsHandlesAndContacts) {
     if (record.correction == nullptr) continue;
     const Eigen::VectorXd change = record.correction->positions - record.positions;
     for (const int handle : scene.handles.nodes) EXPECT_EQ(change.segment<3>(3 * handle), Eigen::Vector3d::Zero());
-    for (const ContactRecord& contact : record.contacts) {
+    for (const ContactRecord& contact : record.contacts.nodes) {
       const int row = 3 * contact.node;
       const Eigen::Vector3d n = scene.obstacles[0].shape->Closest(record.positions.segment<3>(row)).normal;
       EXPECT_NEAR(n.dot(change.segment<3>(row)), 0.0, 1e-15);

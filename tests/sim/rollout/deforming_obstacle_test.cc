@@ -70,7 +70,7 @@ TEST_P(DeformingObstacleTest, ASequenceThatShiftsIsAPath) {
   scene.obstacles[0].path = PathThrough(0.0, 0.4, 21, shift, NoTurn);
   const Rollout moved = SimulateNominal(scene, 60);
   EXPECT_GE((deformed.positions(60) - deformed.positions(0)).lpNorm<Eigen::Infinity>(), 0.05);
-  EXPECT_GE(deformed.records[deformed.last_record[59]].contacts.size(), 3u);
+  EXPECT_GE(deformed.records[deformed.last_record[59]].contacts.nodes.size(), 3u);
   EXPECT_LE(Difference(deformed, moved), 1e-9);
 }
 

@@ -304,7 +304,7 @@ TEST(HandleForcesTest, CarriesALayerThatSlides) {
   const TestRun run(scene, {scene.handles.nodes});
   for (int step = 2; step <= scene.num_steps(); ++step) {
     const StepRecord& end = run.rollout.records[run.rollout.last_record[step - 1]];
-    ASSERT_FALSE(end.pairs.empty());
+    ASSERT_FALSE(end.contacts.pairs.empty());
     const Eigen::Vector3d pushed =
         run.forces.OverGroups(PairForces(run.simulator.model(), run.rollout.parameters, end));
     const Eigen::VectorXd acceleration = run.AccelerationAt(step - 1);

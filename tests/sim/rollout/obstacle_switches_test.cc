@@ -37,7 +37,7 @@ std::vector<ScanPoint> Scan(Line line, bool with_second_plane) {
     EXPECT_TRUE(rollout.ok());
     ScanPoint point{rollout.positions(rollout.num_steps()), {}};
     for (const StepRecord& record : rollout.records) {
-      for (const ContactRecord& contact : record.contacts) point.obstacles.push_back(contact.obstacle);
+      for (const ContactRecord& contact : record.contacts.nodes) point.obstacles.push_back(contact.obstacle);
     }
     points.push_back(point);
   }

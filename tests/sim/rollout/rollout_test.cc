@@ -43,7 +43,7 @@ TEST_P(StoredContactsTest, BringBackThoseOfTheSolver) {
     problem.Evaluate(simulator.model().Gather(record.velocities), &point);
     const std::vector<Contact> solved = problem.ContactsAt(point).nodes;
     const std::vector<Contact> restored =
-        RestoreContacts(simulator.model(), rollout.parameters, start.positions, record.times(), {}, record.contacts);
+        RestoreContacts(record, start.positions, {}, rollout.parameters, simulator.model()).nodes;
     ASSERT_EQ(restored.size(), solved.size());
     num_contacts += solved.size();
     for (std::size_t j = 0; j < solved.size(); ++j) {
@@ -56,7 +56,7 @@ TEST_P(StoredContactsTest, BringBackThoseOfTheSolver) {
       EXPECT_EQ(restored[j].candidate.gap_speed_slope, solved[j].candidate.gap_speed_slope);
       EXPECT_EQ(restored[j].weight, solved[j].weight);
       EXPECT_EQ(restored[j].force, solved[j].force);
-      EXPECT_EQ(restored[j].response.branch, record.contacts[j].branch);
+      EXPECT_EQ(restored[j].response.branch, record.contacts.nodes[j].branch);
       EXPECT_EQ(restored[j].response.impulse, solved[j].response.impulse);
       EXPECT_EQ(restored[j].response.slip_direction, solved[j].response.slip_direction);
     }

@@ -208,8 +208,9 @@ TEST(StickTest, NodesThatStickStayWhereTheyAre) {
   const Rollout rollout = Simulate(scene.nominal_parameters(), scene.num_steps(), &simulator, nullptr, options);
   ASSERT_TRUE(rollout.ok());
   EXPECT_LE(farthest, 1e-12);
-  for (const ContactRecord& contact : rollout.records.back().contacts) EXPECT_EQ(contact.branch, ContactBranch::kStick);
-  EXPECT_EQ(rollout.records.back().contacts.size(), 25u);
+  for (const ContactRecord& contact : rollout.records.back().contacts.nodes)
+    EXPECT_EQ(contact.branch, ContactBranch::kStick);
+  EXPECT_EQ(rollout.records.back().contacts.nodes.size(), 25u);
 }
 
 // A rigid motion is not damped, whatever the positions between which the second stage takes its strain rate.

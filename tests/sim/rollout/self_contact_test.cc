@@ -94,7 +94,7 @@ TEST(SelfContactTest, ASolveWithPairsKeepsTheContractOfOneWithout) {
   const Scene scene = CollidingSheets(Integrator::kEuler);
   const Rollout rollout = SimulateNominal(scene, 20);
   std::size_t i = 1;
-  while (i < rollout.records.size() && rollout.records[i].pairs.empty()) ++i;
+  while (i < rollout.records.size() && rollout.records[i].contacts.pairs.empty()) ++i;
   ASSERT_LT(i, rollout.records.size());
   const StepRecord &record = rollout.records[i], &before = rollout.records[i - 1];
   Simulator simulator(scene);

@@ -18,8 +18,8 @@ TEST(ContactChangesTest, TellJoinedLeftAndSwitchedApart) {
   const ContactBranch stick = ContactBranch::kStick, slip = ContactBranch::kSlip;
   RolloutCounts counts;
   CountContactChanges(
-      {RecordOf(1, stick), RecordOf(3, slip), RecordOf(4, slip), RecordOf(6, stick)},
-      {RecordOf(0, slip), RecordOf(3, stick), RecordOf(4, stick, 1), RecordOf(6, stick), RecordOf(7, slip)}, &counts);
+      {{RecordOf(1, stick), RecordOf(3, slip), RecordOf(4, slip), RecordOf(6, stick)}},
+      {{RecordOf(0, slip), RecordOf(3, stick), RecordOf(4, stick, 1), RecordOf(6, stick), RecordOf(7, slip)}}, &counts);
   EXPECT_EQ(counts.contacts, 5);
   EXPECT_EQ(counts.nodes_joined, 2);
   EXPECT_EQ(counts.nodes_left, 1);
@@ -39,8 +39,8 @@ PairContactRecord PairOf(int vertex, int face, ContactBranch branch) {
 TEST(PairChangesTest, CountWhatComesGoesAndSwitches) {
   const ContactBranch stick = ContactBranch::kStick, slip = ContactBranch::kSlip;
   RolloutCounts counts;
-  CountPairChanges({PairOf(1, 10, slip), PairOf(2, 10, stick), PairOf(4, 20, slip)},
-                   {PairOf(1, 11, slip), PairOf(2, 10, slip), PairOf(4, 20, slip)}, &counts);
+  CountContactChanges({{}, {PairOf(1, 10, slip), PairOf(2, 10, stick), PairOf(4, 20, slip)}},
+                      {{}, {PairOf(1, 11, slip), PairOf(2, 10, slip), PairOf(4, 20, slip)}}, &counts);
   EXPECT_EQ(counts.self_contacts, 3);
   EXPECT_EQ(counts.pair_changes, 3);
   EXPECT_EQ(counts.contact_changes(), 3);

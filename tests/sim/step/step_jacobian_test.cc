@@ -23,8 +23,7 @@ class StepJacobianTest : public ::testing::TestWithParam<std::string> {
   void SetPoint(std::size_t i, BlockMatrix* hessian, StepJacobian* jacobian) {
     const StepRecord& record = rollout_.records[i];
     const Eigen::VectorXd& start = i == 0 ? rollout_.initial_positions : rollout_.records[i - 1].positions;
-    const ContactSet contacts{
-        RestoreContacts(simulator_.model(), rollout_.parameters, start, record.times(), {}, record.contacts), {}};
+    const ContactSet contacts = RestoreContacts(record, start, {}, rollout_.parameters, simulator_.model());
     HeldForces held;  // of the start nothing: no force of these scenes needs it
     simulator_.model().forces().Hold(rollout_.parameters, record.time, &held);
     AssembleStepHessian(simulator_.model(), HessianKind::kExact,

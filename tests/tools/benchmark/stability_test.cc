@@ -73,7 +73,7 @@ class SelfContactAuditTest : public testing::TestWithParam<Integrator> {
   // The first record with a pair in contact.
   StepRecord& Touching() {
     for (StepRecord& record : run_.rollout.records) {
-      if (!record.pairs.empty()) return record;
+      if (!record.contacts.pairs.empty()) return record;
     }
     throw std::logic_error("nothing touches");
   }
@@ -102,15 +102,15 @@ TEST_P(SelfContactAuditTest, ItsEnergyCloses) {
 }
 
 TEST_P(SelfContactAuditTest, FindsForcesOfPairsThatAreNotThoseOfTheStep) {
-  Touching().pairs.front().force *= 1.001;
+  Touching().contacts.pairs.front().force *= 1.001;
   EXPECT_GE(run_.Audit().unsolved, 1);
 }
 
 TEST_P(SelfContactAuditTest, FindsPairsThatTheStepHasNot) {
   StepRecord& record = Touching();
-  record.pairs.front().has_friction = false;
+  record.contacts.pairs.front().has_friction = false;
   EXPECT_EQ(run_.Audit().inconsistent, 1);
-  record.pairs.erase(record.pairs.begin());
+  record.contacts.pairs.erase(record.contacts.pairs.begin());
   EXPECT_GE(run_.Audit().unsolved, 1);
 }
 
@@ -123,12 +123,12 @@ TEST_P(SelfContactAuditTest, CountsStepsWhosePairsDependOnEachOther) {
     const auto is_left_out = [](const PairContactRecord& pair) { return !pair.has_friction; };
     bool is_dependent = false;
     for (int i = first; i <= last; ++i) {
-      const std::vector<PairContactRecord>& pairs = run_.rollout.records[static_cast<std::size_t>(i)].pairs;
+      const std::vector<PairContactRecord>& pairs = run_.rollout.records[static_cast<std::size_t>(i)].contacts.pairs;
       is_dependent = is_dependent || std::any_of(pairs.begin(), pairs.end(), is_left_out);
     }
     first = last + 1;
-    if (is_dependent || record.pairs.empty()) continue;
-    record.pairs.front().has_friction = false;
+    if (is_dependent || record.contacts.pairs.empty()) continue;
+    record.contacts.pairs.front().has_friction = false;
     EXPECT_EQ(AuditSelfContact(run_.rollout, &run_.simulator).dependent_steps, before + 1);
     return;
   }
@@ -178,8 +178,8 @@ TEST_F(RolloutAuditTest, FindsAStateThatDoesNotSolveItsStep) {
 
 TEST_F(RolloutAuditTest, FindsBranchesThatAreNotThoseOfTheState) {
   for (StepRecord& record : run_.rollout.records) {
-    if (record.contacts.empty()) continue;
-    ContactBranch& branch = record.contacts.front().branch;
+    if (record.contacts.nodes.empty()) continue;
+    ContactBranch& branch = record.contacts.nodes.front().branch;
     branch = branch == ContactBranch::kSlip ? ContactBranch::kStick : ContactBranch::kSlip;
     break;
   }
@@ -195,8 +195,8 @@ TEST_F(RolloutAuditTest, FindsNumbersThatAreNone) {
 
 TEST_F(RolloutAuditTest, FindsANodeInTheObstacle) {
   StepRecord& record = run_.rollout.records.back();
-  ASSERT_FALSE(record.contacts.empty());
-  const Eigen::Index row = 3 * static_cast<Eigen::Index>(record.contacts.front().node);
+  ASSERT_FALSE(record.contacts.nodes.empty());
+  const Eigen::Index row = 3 * static_cast<Eigen::Index>(record.contacts.nodes.front().node);
   const Obstacle& ball = *run_.simulator.scene().obstacles.front().shape;
   const SurfacePoint nearest = ball.Closest(record.positions.segment<3>(row));
   const Eigen::Vector3d into = -(nearest.gap + 1e-3) * nearest.normal;

@@ -16,20 +16,8 @@ namespace {
 
 constexpr double kRoundings = 8.0;  // of a position, in units of eps
 
-bool SameContacts(const std::vector<ContactRecord>& a, const std::vector<ContactRecord>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const ContactRecord& c, const ContactRecord& d) {
-    return c.node == d.node && c.obstacle == d.obstacle && c.branch == d.branch;
-  });
-}
-
 double Rounding(const Eigen::VectorXd& positions) {
   return kRoundings * std::numeric_limits<double>::epsilon() * positions.lpNorm<Eigen::Infinity>();
-}
-
-bool SamePairs(const std::vector<PairContactRecord>& a, const std::vector<PairContactRecord>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const PairContactRecord& c, const PairContactRecord& d) {
-    return c.features == d.features && c.branch == d.branch && c.has_friction == d.has_friction;
-  });
 }
 
 // Where the pair of `features` is in `pairs`, or their end.
@@ -101,18 +89,16 @@ void AuditRecord(const StepRecord& record, const SolveStart& start, const Parame
   StepPoint point;
   bool are_known = true;
   if (model.scene().self_contact) {
-    are_known =
-        TakePairs(RestorePairs(model, parameters, start.positions, record.velocities, record.times(), record.pairs),
-                  velocities, &simulator->step_workspace(), &point);
+    are_known = TakePairs(RestoreContacts(record, start.positions, {}, parameters, model).pairs, velocities,
+                          &simulator->step_workspace(), &point);
   }
   problem.Evaluate(velocities, &point);
   ContactSet closed;
   problem.FindClosedContacts(point, &closed);
   const double tolerance = StepSolver::Tolerance(problem, model.scene().solver.step_tolerance, point);
   const double off = (point.positions - record.positions).lpNorm<Eigen::Infinity>();
-  audit->inconsistent += !(off <= Rounding(record.positions)) || !are_known ||
-                         !SameContacts(RecordContacts(closed.nodes), record.contacts) ||
-                         !SamePairs(RecordPairs(closed.pairs), record.pairs);
+  audit->inconsistent +=
+      !(off <= Rounding(record.positions)) || !are_known || !HaveSameBranches(RecordContacts(closed), record.contacts);
   audit->unsolved += !(point.relative_residual <= tolerance);
   audit->worst_residual = std::max(audit->worst_residual, point.relative_residual / tolerance);
   audit->loosest_tolerance = std::max(audit->loosest_tolerance, tolerance);
