@@ -116,7 +116,7 @@ class PairCourse : public NewtonCourse {
     if (idle_ == 0) length_ = std::min(1.0, 2.0 * length_);
     if (idle_ > 0 && idle_ % kIdleIterations == 0) length_ = length_ > kShortestPairLength ? 0.5 * length_ : 1.0;
     const bool is_settled =
-        iteration_ > 0 && PairsAreSettled(point) && !BranchesDiffer(point.pairs->responses, before.pairs->responses);
+        iteration_ > 0 && PairsAreSettled(point) && !BranchesDiffer(point.pairs.responses, before.pairs.responses);
     num_settled_ += is_settled ? 1 : 0;
     IterationPlan plan;
     plan.explores = !is_settled;
@@ -143,13 +143,13 @@ double ResidualSize(const StepProblem& problem, const StepPoint& point) {
   if (!problem.may_touch_itself()) return point.residual.norm();
   double square = problem.WeighedSquare(point.residual);
   for (std::size_t c = 0; c < problem.pairs().size(); ++c) {
-    square += point.pairs->residuals.col(static_cast<Eigen::Index>(c)).squaredNorm() / problem.pairs()[c].weight;
+    square += point.pairs.residuals.col(static_cast<Eigen::Index>(c)).squaredNorm() / problem.pairs()[c].weight;
   }
   return std::sqrt(square);
 }
 
 bool PairsAreSettled(const StepPoint& point) {
-  return point.pairs->residuals.norm() <= kSettledShare * point.residual.norm();
+  return point.pairs.residuals.norm() <= kSettledShare * point.residual.norm();
 }
 
 std::unique_ptr<NewtonCourse> MakeCourse(const StepProblem& problem, const StepPoint& start) {

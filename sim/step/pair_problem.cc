@@ -95,32 +95,31 @@ void StepProblem::AddPairImpulses(StepPoint* point) const {
     for (int i = 0; i < 4; ++i) {
       if (pair.blocks[i] < 0) continue;
       point->momentum_gradient.segment<3>(3 * pair.blocks[i]) -=
-          pair.geometry.weights[i] * point->pairs->impulses.col(static_cast<Eigen::Index>(c));
+          pair.geometry.weights[i] * point->pairs.impulses.col(static_cast<Eigen::Index>(c));
     }
   }
 }
 
 void StepProblem::ApplyPairLaw(StepPoint* point) const {
   const Eigen::Index num_pairs = static_cast<Eigen::Index>(work_.pairs.size());
-  point->pairs->residuals.resize(3, num_pairs);
-  point->pairs->forces.resize(work_.pairs.size());
-  point->pairs->responses.resize(work_.pairs.size());
+  point->pairs.residuals.resize(3, num_pairs);
+  point->pairs.forces.resize(work_.pairs.size());
+  point->pairs.responses.resize(work_.pairs.size());
   for (Eigen::Index c = 0; c < num_pairs; ++c) {
     const PairCandidate& pair = work_.pairs[c];
     const Eigen::Vector3d& n = pair.geometry.normal;
-    const Eigen::Vector3d impulse = point->pairs->impulses.col(c);
-    point->pairs->forces[c] = pair.weight * (pair.RelativeVelocity(point->velocities) + pair.gap_speed * n) - impulse;
-    point->pairs->responses[c] = EvaluateContactLaw(point->pairs->forces[c], n, pair.FrictionOf(self_friction()));
-    point->pairs->residuals.col(c) = impulse - point->pairs->responses[c].impulse;
+    const Eigen::Vector3d impulse = point->pairs.impulses.col(c);
+    point->pairs.forces[c] = pair.weight * (pair.RelativeVelocity(point->velocities) + pair.gap_speed * n) - impulse;
+    point->pairs.responses[c] = EvaluateContactLaw(point->pairs.forces[c], n, pair.FrictionOf(self_friction()));
+    point->pairs.residuals.col(c) = impulse - point->pairs.responses[c].impulse;
   }
-  point->relative_residual = std::hypot(point->residual.norm(), point->pairs->residuals.norm()) / point->scale;
 }
 
 std::vector<PairContact> StepProblem::PairsAt(const StepPoint& point) const {
   std::vector<PairContact> contacts;
   for (std::size_t c = 0; c < work_.pairs.size(); ++c) {
-    contacts.push_back({work_.pairs[c], point.pairs->responses[c], point.pairs->forces[c],
-                        work_.pairs[c].FrictionOf(self_friction())});
+    contacts.push_back(
+        {work_.pairs[c], point.pairs.responses[c], point.pairs.forces[c], work_.pairs[c].FrictionOf(self_friction())});
   }
   return contacts;
 }

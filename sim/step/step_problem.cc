@@ -145,14 +145,14 @@ void StepProblem::Evaluate(const Eigen::VectorXd& velocities, StepPoint* point) 
   if (model_.nodes().drag() != nullptr) AddDrag(point);
   AddForces(ForceGroup::kAir, point);
   AddForces(ForceGroup::kViscous, point);
-  if (may_touch_itself()) AddPairImpulses(point);
+  AddPairImpulses(point);
   if (may_touch()) {
     ApplyContactLaw(point);
   } else {
     point->residual = point->momentum_gradient;
   }
-  point->relative_residual = point->residual.norm() / point->scale;
-  if (may_touch_itself()) ApplyPairLaw(point);
+  ApplyPairLaw(point);
+  point->relative_residual = std::hypot(point->residual.norm(), point->pairs.residuals.norm()) / point->scale;
 }
 
 // One pass over the nodes for all that has no derivative: x = x_n + h v, M (v - v_n) - h f_ext and its potential.
@@ -252,7 +252,7 @@ double StepProblem::HeldPotential(const StepPoint& lagged, const Eigen::VectorXd
     potential += friction_coefficient(index) * normal_impulse * TangentialSpeed(velocity, candidates()[i].normal);
   }
   for (size_t c = 0; c < pairs().size(); ++c) {
-    const double normal_impulse = std::max(0.0, -lagged.pairs->responses[c].normal_force);
+    const double normal_impulse = std::max(0.0, -lagged.pairs.responses[c].normal_force);
     if (normal_impulse == 0.0) continue;
     const Eigen::Vector3d &n = pairs()[c].geometry.normal, velocity = pairs()[c].RelativeVelocity(velocities);
     const double friction = pairs()[c].FrictionOf(self_friction());
@@ -283,17 +283,15 @@ void StepProblem::FindNodes(const StepPoint& point, std::vector<Contact>* contac
 ContactSet StepProblem::ContactsAt(const StepPoint& point) const {
   ContactSet contacts;
   FindNodes(point, &contacts.nodes);
-  if (may_touch_itself()) contacts.pairs = PairsAt(point);
+  contacts.pairs = PairsAt(point);
   return contacts;
 }
 
 void StepProblem::FindClosedContacts(const StepPoint& point, ContactSet* contacts) const {
   FindNodes(point, &contacts->nodes);
-  contacts->pairs.clear();
-  if (!may_touch_itself()) return;
-  for (const PairContact& pair : PairsAt(point)) {
-    if (pair.response.branch != ContactBranch::kTakeOff) contacts->pairs.push_back(pair);
-  }
+  contacts->pairs = PairsAt(point);
+  const auto is_open = [](const PairContact& pair) { return pair.response.branch == ContactBranch::kTakeOff; };
+  contacts->pairs.erase(std::remove_if(contacts->pairs.begin(), contacts->pairs.end(), is_open), contacts->pairs.end());
 }
 
 Eigen::VectorXd StepProblem::AllVelocities(const StepPoint& point) const {

@@ -18,7 +18,6 @@
 
 #include <Eigen/Core>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "sim/cloth/cloth_model.h"
@@ -30,7 +29,7 @@
 
 namespace clothid {
 
-// The equations of the cloth's pairs with itself, likewise, in their order.
+// The equations of the cloth's pairs with itself, in their order.
 struct PairPoint {
   Eigen::Matrix3Xd impulses;               // r
   Eigen::Matrix3Xd residuals;              // R
@@ -46,7 +45,7 @@ struct StepPoint {
   Eigen::VectorXd residual;                // Phi
   std::vector<Eigen::Vector3d> forces;     // F, per candidate
   std::vector<ContactResponse> responses;  // per candidate
-  std::optional<PairPoint> pairs;          // whose J^T r are taken off g; none where no parts may touch
+  PairPoint pairs;                         // whose J^T r are taken off g; r is given before the evaluation
   double potential = 0.0;          // whose gradient is g, J: kinetic distance to v_n, drag, external energy, E and W
   double scale = 0.0;              // largest of h |f_ext|, |M v_n|, h |dE/dx| and h |dW/dx|, N s
   double relative_residual = 0.0;  // |(Phi, R)| / scale
@@ -113,6 +112,7 @@ class StepProblem {
   }
   int free_block(int candidate) const;  // its node among the free nodes
 
+  // At `velocities`, and the impulses that `point` has for every pair.
   void Evaluate(const Eigen::VectorXd& velocities, StepPoint* point) const;
 
   void AssembleHessian(HessianKind kind, const StepPoint& point, BlockMatrix* hessian) const;

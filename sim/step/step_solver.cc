@@ -20,11 +20,7 @@ constexpr double kExplosion = 100.0;          // times the residual, which no le
 constexpr double kSmallestIncrement = 1e-2;   // of the share of friction in its continuation
 
 // -(Phi, R).
-StepColumns RightSide(const ContactSet& contacts, const StepPoint& point) {
-  StepColumns right{-point.residual};
-  if (!contacts.pairs.empty()) right.impulses = -point.pairs->residuals.reshaped();
-  return right;
-}
+StepColumns RightSide(const StepPoint& point) { return {-point.residual, -point.pairs.residuals.reshaped()}; }
 
 }  // namespace
 
@@ -86,18 +82,17 @@ bool StepSolver::SolveAgain(const StepProblem& problem, double tolerance, StepPo
 
 void StepSolver::SetPairs(const StepProblem& problem, StepPoint* point) {
   had_pairs_ = problem.may_touch_itself();
-  if (!had_pairs_) return;
-  point->pairs.emplace();
-  point->pairs->impulses = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(problem.pairs().size()));
-  trial_.pairs = point->pairs;
+  point->pairs.impulses.setZero(3, static_cast<Eigen::Index>(problem.pairs().size()));
+  trial_.pairs.impulses = point->pairs.impulses;
 }
 
 void StepSolver::WarmStart(const StepProblem& problem, StepPoint* point) {
-  point->pairs->impulses.setZero();
+  if (!problem.may_touch_itself()) return;
+  point->pairs.impulses.setZero();
   for (std::size_t c = 0; c < problem.pairs().size(); ++c) {
     const auto found = pair_forces_.find(problem.pairs()[c].features);
     if (found == pair_forces_.end()) continue;
-    point->pairs->impulses.col(static_cast<Eigen::Index>(c)) = problem.time_step() * found->second;
+    point->pairs.impulses.col(static_cast<Eigen::Index>(c)) = problem.time_step() * found->second;
   }
   Evaluate(problem, Eigen::VectorXd(point->velocities), point);
 }
@@ -105,9 +100,9 @@ void StepSolver::WarmStart(const StepProblem& problem, StepPoint* point) {
 void StepSolver::KeepImpulses(const StepProblem& problem, const StepPoint& point) {
   pair_forces_.clear();
   for (std::size_t c = 0; c < problem.pairs().size(); ++c) {
-    if (point.pairs->responses[c].branch == ContactBranch::kTakeOff) continue;
+    if (point.pairs.responses[c].branch == ContactBranch::kTakeOff) continue;
     pair_forces_[problem.pairs()[c].features] =
-        point.pairs->impulses.col(static_cast<Eigen::Index>(c)) / problem.time_step();
+        point.pairs.impulses.col(static_cast<Eigen::Index>(c)) / problem.time_step();
   }
 }
 
@@ -191,7 +186,7 @@ bool StepSolver::FactorAt(const Task& task, const ContactSet& contacts, const St
 // no pairs, with the clamped one.
 bool StepSolver::SolveAt(const Task& task, const ContactSet& contacts, const StepPoint& point, double forcing,
                          StepColumns* direction) {
-  const StepColumns right = RightSide(contacts, point);
+  const StepColumns right = RightSide(point);
   const auto solve = [&] {
     const bool solved = jacobian_.Solve(right, forcing, direction);
     task.counts->linear_iterations += jacobian_.iterations();
@@ -211,7 +206,7 @@ bool StepSolver::DirectionByFactorAtHand(const Task& task, const ContactSet& con
                                          double forcing, StepColumns* direction) {
   Assemble(task.problem, HessianKind::kExact, point);
   jacobian_.SetPoint(hessian_, contacts);
-  const StepColumns right = RightSide(contacts, point);
+  const StepColumns right = RightSide(point);
   const bool solved = jacobian_.Solve(right, forcing, direction) && direction->velocities.allFinite();
   task.counts->linear_iterations += jacobian_.iterations();
   new_factor_is_due_ = jacobian_.iterations() > refactor_iterations_;
@@ -231,12 +226,8 @@ bool StepSolver::DirectionByNewFactor(const Task& task, const ContactSet& contac
 
 void StepSolver::Try(const StepProblem& problem, const StepPoint& point, const StepColumns& direction, double length) {
   Eigen::VectorXd velocities = point.velocities + length * direction.velocities.col(0);
-  if (problem.may_touch_itself()) {
-    if (!trial_.pairs) trial_.pairs.emplace();
-    trial_.pairs->impulses = point.pairs->impulses + length * direction.impulses.reshaped(3, problem.pairs().size());
-  } else if (problem.may_touch()) {
-    problem.ClipToFeasible(&velocities);
-  }
+  trial_.pairs.impulses = point.pairs.impulses + length * direction.impulses.reshaped(3, problem.pairs().size());
+  if (!problem.may_touch_itself()) problem.ClipToFeasible(&velocities);
   Evaluate(problem, velocities, &trial_);
 }
 
@@ -244,11 +235,11 @@ void StepSolver::Try(const StepProblem& problem, const StepPoint& point, const S
 // settled or the residual of pairs about where it was.
 bool StepSolver::LineSearch(const StepProblem& problem, const StepColumns& direction, const IterationPlan& plan,
                             StepPoint* point) {
-  const bool has_pairs = problem.may_touch_itself(), in_contact = has_pairs || problem.may_touch();
+  const bool has_pairs = problem.may_touch_itself();
   const double size = ResidualSize(problem, *point);
-  const double held = in_contact ? problem.HeldPotential(*point, point->velocities) : 0.0;
+  const double held = problem.HeldPotential(*point, point->velocities);
   Eigen::VectorXd impulses;
-  if (has_pairs) impulses = jacobian_.Spread(point->pairs->impulses.reshaped());
+  if (has_pairs) impulses = jacobian_.Spread(point->pairs.impulses.reshaped());
   double length = plan.first_length;
   for (int halving = 0; halving < kMaxHalvings; ++halving, length *= 0.5) {
     Try(problem, *point, direction, length);
@@ -256,14 +247,14 @@ bool StepSolver::LineSearch(const StepProblem& problem, const StepColumns& direc
     const double trial_size = ResidualSize(problem, trial_);
     bool is_accepted = trial_size <= (plan.explores ? kExplosion : 1.0 - kSufficientDecrease * length) * size;
     if (!is_accepted && !plan.explores) {
-      const double held_change = in_contact ? problem.HeldPotential(*point, trial_.velocities) - held : 0.0;
+      const double held_change = problem.HeldPotential(*point, trial_.velocities) - held;
       const Eigen::VectorXd change = trial_.velocities - point->velocities;
       double slope = point->momentum_gradient.dot(change) + held_change;
       if (has_pairs) slope += impulses.dot(change);
       const double potential_change = trial_.potential - point->potential + held_change;
       is_accepted = slope < 0.0 && potential_change <= kSufficientDecrease * slope &&
                     (!has_pairs || PairsAreSettled(trial_) ||
-                     trial_.pairs->residuals.norm() <= 2.0 * point->pairs->residuals.norm());
+                     trial_.pairs.residuals.norm() <= 2.0 * point->pairs.residuals.norm());
     }
     if (!is_accepted) continue;
     std::swap(*point, trial_);
@@ -314,7 +305,7 @@ bool StepSolver::Iterate(const Task& task, const IterationPlan& plan, StepPoint*
 }
 
 bool StepSolver::Newton(const Task& task, StepPoint* point) {
-  if (task.problem.may_touch_itself()) WarmStart(task.problem, point);
+  WarmStart(task.problem, point);
   StepPoint best = *point;
   const std::unique_ptr<NewtonCourse> course = MakeCourse(task.problem, *point);
   const int max_iterations = model_.scene().solver.max_newton_iterations;
@@ -342,7 +333,7 @@ bool StepSolver::SolveWithFriction(const Task& task, double share, const StepPoi
     SetPairs(eased, point);
     Start(eased_task, point);
   } else {
-    point->pairs = start.pairs;
+    point->pairs.impulses = start.pairs.impulses;
     Evaluate(eased, start.velocities, point);
   }
   return Newton(eased_task, point);

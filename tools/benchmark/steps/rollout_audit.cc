@@ -42,11 +42,10 @@ bool TakePairs(const std::vector<PairContact>& recorded, const Eigen::VectorXd& 
   }
   std::sort(work->pairs.begin(), work->pairs.end(),
             [](const PairCandidate& a, const PairCandidate& b) { return a.features < b.features; });
-  point->pairs.emplace();
-  point->pairs->impulses = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(work->pairs.size()));
+  point->pairs.impulses.setZero(3, static_cast<Eigen::Index>(work->pairs.size()));
   for (const PairContact& contact : recorded) {
     const PairCandidate& pair = *FindPair(contact.candidate.features, &work->pairs);
-    point->pairs->impulses.col(&pair - work->pairs.data()) =
+    point->pairs.impulses.col(&pair - work->pairs.data()) =
         pair.weight * (pair.RelativeVelocity(velocities) + pair.gap_speed * pair.geometry.normal) - contact.force;
   }
   return are_known;
