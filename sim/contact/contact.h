@@ -46,6 +46,8 @@ struct ContactRecord {
   int obstacle = 0;
   ContactBranch branch = ContactBranch::kTakeOff;
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // F
+
+  bool operator<(const ContactRecord& other) const { return node < other.node; }
 };
 
 // `node` and its nearest obstacle in a solve that starts at `positions` [3N]. `gap_time`: T, within which a gap may be

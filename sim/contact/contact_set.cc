@@ -1,8 +1,16 @@
 #include "sim/contact/contact_set.h"
 
-#include <algorithm>
-
 namespace clothid {
+namespace {
+
+bool AreAlike(const ContactRecord& a, const ContactRecord& b) {
+  return a.branch == b.branch && a.obstacle == b.obstacle;
+}
+bool AreAlike(const PairContactRecord& a, const PairContactRecord& b) {
+  return a.branch == b.branch && a.has_friction == b.has_friction;
+}
+
+}  // namespace
 
 ContactRecords RecordContacts(const ContactSet& contacts) {
   ContactRecords records;
@@ -11,23 +19,22 @@ ContactRecords RecordContacts(const ContactSet& contacts) {
     records.nodes.push_back(
         {contact.candidate.node, contact.candidate.obstacle, contact.response.branch, contact.force});
   }
-  records.pairs.reserve(contacts.pairs.size());
   for (const PairContact& contact : contacts.pairs) {
+    if (contact.response.branch == ContactBranch::kTakeOff) continue;
     records.pairs.push_back(
         {contact.candidate.features, contact.force, contact.response.branch, contact.candidate.has_friction});
   }
   return records;
 }
 
-bool HaveSameBranches(const ContactRecords& one, const ContactRecords& other) {
-  return std::equal(one.nodes.begin(), one.nodes.end(), other.nodes.begin(), other.nodes.end(),
-                    [](const ContactRecord& a, const ContactRecord& b) {
-                      return a.node == b.node && a.obstacle == b.obstacle && a.branch == b.branch;
-                    }) &&
-         std::equal(one.pairs.begin(), one.pairs.end(), other.pairs.begin(), other.pairs.end(),
-                    [](const PairContactRecord& a, const PairContactRecord& b) {
-                      return a.features == b.features && a.branch == b.branch && a.has_friction == b.has_friction;
-                    });
+int NumDifferences(const ContactRecords& one, const ContactRecords& other) {
+  int num_differences = 0;
+  const auto count = [&](const auto* was, const auto* is) {
+    num_differences += was == nullptr || is == nullptr ? 1 : AreAlike(*was, *is) ? 0 : 2;
+  };
+  Match(one.nodes, other.nodes, count);
+  Match(one.pairs, other.pairs, count);
+  return num_differences;
 }
 
 }  // namespace clothid

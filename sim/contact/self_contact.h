@@ -58,6 +58,8 @@ struct PairContactRecord {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // F
   ContactBranch branch = ContactBranch::kTakeOff;
   bool has_friction = true;
+
+  bool operator<(const PairContactRecord& other) const { return features < other.features; }
 };
 
 // The candidate of `features` at `positions` [3N], but for `weight` and `held_velocity`. `free_index` maps nodes to

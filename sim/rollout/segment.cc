@@ -195,7 +195,7 @@ class StepLoop {
       *failure = DescribeFailure(step, StepSolver::Tolerance(problem, tolerance_, point_), point_);
       return false;
     }
-    problem.FindClosedContacts(point_, &contacts_);
+    problem.FindContacts(point_, &contacts_);
     records->push_back({times.end_time, times.time_step, point_.positions, problem.AllVelocities(point_),
                         RecordContacts(contacts_), solver.end_factor(), times.stage});
     return true;
@@ -224,7 +224,7 @@ class StepLoop {
   // as a step that does not converge.
   bool is_clean_ = false;
   StepPoint point_;      // of the last solve
-  ContactSet contacts_;  // closed, at the end of the last solve that worked
+  ContactSet contacts_;  // at the end of the last solve that worked
   SegmentOutcome outcome_;
 };
 

@@ -115,13 +115,4 @@ void StepProblem::ApplyPairLaw(StepPoint* point) const {
   }
 }
 
-std::vector<PairContact> StepProblem::PairsAt(const StepPoint& point) const {
-  std::vector<PairContact> contacts;
-  for (std::size_t c = 0; c < work_.pairs.size(); ++c) {
-    contacts.push_back(
-        {work_.pairs[c], point.pairs.responses[c], point.pairs.forces[c], work_.pairs[c].FrictionOf(self_friction())});
-  }
-  return contacts;
-}
-
 }  // namespace clothid

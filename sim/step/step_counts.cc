@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <iterator>
-#include <vector>
 
 namespace clothid {
 namespace {
@@ -16,22 +15,6 @@ constexpr int RolloutCounts::*kCounts[] = {&RolloutCounts::steps,           &Rol
                                            &RolloutCounts::self_contacts,   &RolloutCounts::pair_changes,
                                            &RolloutCounts::second_solves};
 static_assert(sizeof(RolloutCounts) == sizeof(int) * std::size(kCounts), "every count is listed");
-
-bool Precedes(const ContactRecord& a, const ContactRecord& b) { return a.node < b.node; }
-bool Precedes(const PairContactRecord& a, const PairContactRecord& b) { return a.features < b.features; }
-
-// Calls `visit` with every contact as it was and is, null where it was not or is not. Both are in ascending order.
-template <class Record, class Function>
-void Match(const std::vector<Record>& before, const std::vector<Record>& after, const Function& visit) {
-  size_t i = 0, j = 0;
-  while (i < before.size() || j < after.size()) {
-    const bool left = j == after.size() || (i < before.size() && Precedes(before[i], after[j]));
-    const bool joined = i == before.size() || (j < after.size() && Precedes(after[j], before[i]));
-    visit(joined ? nullptr : &before[i], left ? nullptr : &after[j]);
-    if (!joined) ++i;
-    if (!left) ++j;
-  }
-}
 
 }  // namespace
 

@@ -1,8 +1,6 @@
 #include "sim/step/step_jacobian.h"
 
-#include <algorithm>
 #include <cstddef>
-#include <iterator>
 #include <utility>
 
 #include "sim/matrix/block_product.h"
@@ -23,27 +21,6 @@ constexpr double kFewDigits = 1e-6;
 // Preconditioners from this size on are in single precision: 24 x 24 nodes have 0.7 to 2 MB. Smaller ones are not
 // waited for, and would gain less than a twentieth.
 constexpr std::size_t kSinglePrecisionBytes = 512 * 1024;
-
-// Of two ascending lists: entries that are in one of them alone.
-template <class Entry>
-int NumDifferences(const std::vector<Entry>& first, const std::vector<Entry>& second) {
-  std::vector<Entry> differences;
-  std::set_symmetric_difference(first.begin(), first.end(), second.begin(), second.end(),
-                                std::back_inserter(differences));
-  return static_cast<int>(differences.size());
-}
-
-ClosedContacts Closed(const ContactSet& contacts) {
-  ClosedContacts closed;
-  for (const Contact& contact : contacts.nodes) {
-    closed.nodes.emplace_back(contact.candidate.node, contact.response.branch);
-  }
-  for (const PairContact& contact : contacts.pairs) {
-    if (contact.response.branch == ContactBranch::kTakeOff) continue;
-    closed.pairs.emplace_back(contact.candidate.features, contact.response.branch);
-  }
-  return closed;
-}
 
 Eigen::MatrixXd Stacked(Eigen::MatrixXd top, const Eigen::MatrixXd& bottom) {
   if (bottom.rows() == 0) return top;
@@ -85,7 +62,7 @@ void StepJacobian::SetPoint(const BlockMatrix& hessian, const ContactSet& contac
   if (in_contact_) elimination_->SetContacts(contacts.nodes, model_.free_index());
   if (pairs_ == nullptr) return;
   pairs_->SetContacts(contacts.pairs, 3 * model_.num_free());
-  closed_ = Closed(contacts);
+  closed_ = RecordContacts(contacts);
 }
 
 void StepJacobian::SetFactor(std::shared_ptr<const ReducedFactor> factor) {
@@ -103,8 +80,7 @@ void StepJacobian::Reset() {
 bool StepJacobian::HasFactorNear(const ContactSet& contacts, int most) const {
   if (factor_ == nullptr) return false;
   if (contacts.pairs.empty() && factor_->contacts.pairs.empty()) return true;
-  const ClosedContacts closed = Closed(contacts), &made_with = factor_->contacts;
-  return NumDifferences(closed.nodes, made_with.nodes) + NumDifferences(closed.pairs, made_with.pairs) <= most;
+  return NumDifferences(RecordContacts(contacts), factor_->contacts) <= most;
 }
 
 const Eigen::VectorXd& StepJacobian::ReducedValues(const BlockMatrix& matrix) {

@@ -8,7 +8,6 @@
 
 #include <Eigen/Core>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include "sim/base/phase_seconds.h"
@@ -25,19 +24,13 @@ namespace clothid {
 
 class WidePattern;
 
-// Of contacts that are closed, with obstacles and with the cloth itself; ascending.
-struct ClosedContacts {
-  std::vector<std::pair<int, ContactBranch>> nodes;
-  std::vector<std::pair<PairFeatures, ContactBranch>> pairs;
-};
-
 // The Cholesky factor of a reduced matrix, in the local frames that its slipping nodes had. Shared, never changed.
 struct ReducedFactor {
   std::shared_ptr<const CholeskyFactor> cholesky;  // null: there is but a pattern, for another factor
   std::vector<LocalFrame> frames;
   // Where the cloth may touch itself: its pattern, null for that of the model, and the contacts of its point.
   std::shared_ptr<const WidePattern> pattern = nullptr;
-  ClosedContacts contacts = {};
+  ContactRecords contacts = {};
 
   std::size_t bytes() const;
 };
@@ -147,7 +140,7 @@ class StepJacobian {
   std::unique_ptr<ContactElimination> elimination_;  // null in a scene without obstacles
   bool in_contact_ = false;                          // with obstacles, at the point
   std::unique_ptr<PairElimination> pairs_;           // null in a scene without self-contact
-  ClosedContacts closed_;                            // at the point, likewise
+  ContactRecords closed_;                            // at the point, likewise
   std::shared_ptr<const WidePattern> pattern_;       // the last one that was made or given; null: none
   Eigen::VectorXd values_;                           // of the factored matrix, where it is not K itself
   int iterations_ = 0;

@@ -269,29 +269,28 @@ void StepProblem::ClipToFeasible(Eigen::VectorXd* velocities) const {
   }
 }
 
-void StepProblem::FindNodes(const StepPoint& point, std::vector<Contact>* contacts) const {
-  contacts->clear();
-  for (size_t i = 0; i < work_.candidates.size(); ++i) {
-    if (point.responses[i].branch == ContactBranch::kTakeOff) continue;
-    contacts->push_back({work_.candidates[i], point.responses[i], point.forces[i], weight(static_cast<int>(i)),
-                         ObstacleGain(work_.motions, work_.candidates[i].obstacle,
-                                      work_.start_positions.segment<3>(3 * work_.candidates[i].node)),
-                         friction_coefficient(static_cast<int>(i))});
-  }
-}
-
 ContactSet StepProblem::ContactsAt(const StepPoint& point) const {
   ContactSet contacts;
-  FindNodes(point, &contacts.nodes);
-  contacts.pairs = PairsAt(point);
+  FindContacts(point, &contacts);
   return contacts;
 }
 
-void StepProblem::FindClosedContacts(const StepPoint& point, ContactSet* contacts) const {
-  FindNodes(point, &contacts->nodes);
-  contacts->pairs = PairsAt(point);
-  const auto is_open = [](const PairContact& pair) { return pair.response.branch == ContactBranch::kTakeOff; };
-  contacts->pairs.erase(std::remove_if(contacts->pairs.begin(), contacts->pairs.end(), is_open), contacts->pairs.end());
+void StepProblem::FindContacts(const StepPoint& point, ContactSet* contacts) const {
+  contacts->nodes.clear();
+  for (size_t i = 0; i < work_.candidates.size(); ++i) {
+    if (point.responses[i].branch == ContactBranch::kTakeOff) continue;
+    const ContactCandidate& candidate = work_.candidates[i];
+    const int index = static_cast<int>(i);
+    contacts->nodes.push_back(
+        {candidate, point.responses[i], point.forces[i], weight(index),
+         ObstacleGain(work_.motions, candidate.obstacle, work_.start_positions.segment<3>(3 * candidate.node)),
+         friction_coefficient(index)});
+  }
+  contacts->pairs.clear();
+  for (size_t c = 0; c < work_.pairs.size(); ++c) {
+    contacts->pairs.push_back(
+        {work_.pairs[c], point.pairs.responses[c], point.pairs.forces[c], work_.pairs[c].FrictionOf(self_friction())});
+  }
 }
 
 Eigen::VectorXd StepProblem::AllVelocities(const StepPoint& point) const {

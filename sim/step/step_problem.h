@@ -133,8 +133,7 @@ class StepProblem {
 
   // The sticking and slipping nodes at `point`, and all of its pairs, those that leave as well.
   ContactSet ContactsAt(const StepPoint& point) const;
-  // Those that stick or slip alone; they overwrite `contacts`.
-  void FindClosedContacts(const StepPoint& point, ContactSet* contacts) const;
+  void FindContacts(const StepPoint& point, ContactSet* contacts) const;  // which they overwrite
 
   // Adds the pairs that thinning has left out and that `point` brings too near, without friction. True:
   // there are some, and the step has to be solved again, with rows that may depend on each other.
@@ -162,8 +161,6 @@ class StepProblem {
   ForcePoint ForcesAt(const StepPoint& point) const;  // sets the velocities in the workspace where forces need them
   // Phi and the responses, from v and g.
   void ApplyContactLaw(StepPoint* point) const;
-  void FindNodes(const StepPoint& point, std::vector<Contact>* contacts) const;  // the sticking and slipping ones
-  std::vector<PairContact> PairsAt(const StepPoint& point) const;
   // Takes J^T r off g.
   void AddPairImpulses(StepPoint* point) const;
   void ApplyPairLaw(StepPoint* point) const;

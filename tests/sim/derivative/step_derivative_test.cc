@@ -73,7 +73,7 @@ class StepDerivativeTest : public ::testing::Test {
                               &simulator_.step_workspace());
     StepPoint point;
     problem.Evaluate(velocities, &point);
-    EXPECT_TRUE(HaveSameBranches(RecordContacts(problem.ContactsAt(point)), record_.contacts));
+    EXPECT_EQ(NumDifferences(RecordContacts(problem.ContactsAt(point)), record_.contacts), 0);
     return point.residual;
   }
 

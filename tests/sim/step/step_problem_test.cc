@@ -117,7 +117,7 @@ TEST_F(StepProblemTest, SecondStepAllocatesNothing) {
     const StepProblem problem = Problem(0.01, &simulator_.step_workspace());
     problem.Evaluate(velocities, &point);
     problem.AssembleHessian(HessianKind::kExact, point, &hessian);
-    problem.FindClosedContacts(point, &contacts);
+    problem.FindContacts(point, &contacts);
   };
   const int before = num_allocations;
   step();
