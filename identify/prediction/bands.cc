@@ -1,25 +1,28 @@
 #include "identify/prediction/bands.h"
 
 #include <algorithm>
-#include <vector>
 
 namespace clothid {
 
+BandRank RankOf(double quantile, Eigen::Index num_draws) {
+  const double rank =
+      std::clamp(quantile * static_cast<double>(num_draws + 1) - 1.0, 0.0, static_cast<double>(num_draws - 1));
+  const auto below = static_cast<Eigen::Index>(rank);
+  return {below, std::min(below + 1, num_draws - 1), rank - static_cast<double>(below)};
+}
+
+double Between(double below, double above, double share) {
+  return share == 0.0 || above == below ? below : below + share * (above - below);
+}
+
 Eigen::MatrixXd BandsOf(const Eigen::MatrixXd& draws) {
-  const Eigen::Index num_draws = draws.cols();
   Eigen::MatrixXd bands(draws.rows(), static_cast<Eigen::Index>(kBandQuantiles.size()));
-  std::vector<double> sorted(static_cast<std::size_t>(num_draws));
   for (Eigen::Index row = 0; row < draws.rows(); ++row) {
-    for (Eigen::Index d = 0; d < num_draws; ++d) sorted[static_cast<std::size_t>(d)] = draws(row, d);
+    Eigen::VectorXd sorted = draws.row(row).transpose();
     std::sort(sorted.begin(), sorted.end());
     for (std::size_t q = 0; q < kBandQuantiles.size(); ++q) {
-      const double rank = std::clamp(kBandQuantiles[q] * static_cast<double>(num_draws + 1) - 1.0, 0.0,
-                                     static_cast<double>(num_draws - 1));
-      const auto below = static_cast<std::size_t>(rank);
-      const double above = sorted[std::min(below + 1, sorted.size() - 1)];
-      const double share = rank - static_cast<double>(below);
-      bands(row, static_cast<Eigen::Index>(q)) =
-          share == 0.0 || above == sorted[below] ? sorted[below] : sorted[below] + share * (above - sorted[below]);
+      const BandRank rank = RankOf(kBandQuantiles[q], draws.cols());
+      bands(row, static_cast<Eigen::Index>(q)) = Between(sorted[rank.below], sorted[rank.above], rank.share);
     }
   }
   return bands;

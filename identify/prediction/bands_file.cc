@@ -39,13 +39,15 @@ std::string VectorBytes(const Eigen::VectorXd& values) {
   return NpyBytes(NpyArray{{values.size()}, {values.begin(), values.end()}});
 }
 
-std::string PositionsBytes(const Prediction& prediction) {
-  const Eigen::Index num_frames = prediction.times.size(), num_rows = prediction.median().rows();
+// Of some motions [3N x T], one after another.
+template <typename Motions>
+std::string PositionsBytes(const Motions& motions) {
+  const Eigen::Index num_frames = motions[0].cols(), num_rows = motions[0].rows();
   NpyArray array;
-  array.shape = {static_cast<long long>(kBandQuantiles.size()), num_frames, num_rows / 3, 3};
-  array.values.reserve(kBandQuantiles.size() * static_cast<std::size_t>(num_frames * num_rows));
-  for (const Eigen::MatrixXd& quantile : prediction.quantiles) {
-    array.values.insert(array.values.end(), quantile.reshaped().begin(), quantile.reshaped().end());
+  array.shape = {static_cast<long long>(motions.size()), num_frames, num_rows / 3, 3};
+  array.values.reserve(motions.size() * static_cast<std::size_t>(num_frames * num_rows));
+  for (const Eigen::MatrixXd& motion : motions) {
+    array.values.insert(array.values.end(), motion.reshaped().begin(), motion.reshaped().end());
   }
   return NpyBytes(array);
 }
@@ -91,12 +93,12 @@ std::string ArchiveBytes(const std::vector<std::pair<std::string, std::string>>&
   return archive;
 }
 
-std::string BandsNpz(const Prediction& prediction, const FitPosterior& posterior) {
+std::string BandsNpz(const Prediction& prediction, const FitPosterior& posterior, bool with_draws) {
   const Eigen::Map<const Eigen::VectorXd> quantiles(kBandQuantiles.data(), kBandQuantiles.size());
   std::vector<std::pair<std::string, std::string>> files = {
       {"times.npy", VectorBytes(prediction.times)},
       {"quantiles.npy", VectorBytes(quantiles)},
-      {"positions.npy", PositionsBytes(prediction)},
+      {"positions.npy", PositionsBytes(prediction.quantiles)},
       {"spread.npy", VectorBytes(prediction.spread)},
       {"moved.npy", VectorBytes(prediction.moved)},
       {"share_parameters.npy", VectorBytes(prediction.shares.parameters)},
@@ -111,6 +113,7 @@ std::string BandsNpz(const Prediction& prediction, const FitPosterior& posterior
   for (const DerivedBands& bands : prediction.derived) {
     files.emplace_back(bands.request.name + ".npy", DerivedBytes(bands));
   }
+  if (with_draws) files.emplace_back("draws.npy", PositionsBytes(prediction.cloths));
   return ArchiveBytes(files);
 }
 

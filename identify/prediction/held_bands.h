@@ -18,6 +18,8 @@
 #include <string>
 #include <vector>
 
+#include "identify/prediction/coverage.h"
+
 namespace clothid {
 
 inline constexpr std::array<double, 4> kHeldLeads = {0.1, 0.3, 1.0, std::numeric_limits<double>::infinity()};  // s
@@ -31,7 +33,9 @@ struct HeldBandOptions {
   std::uint64_t seed = 1;
   int num_threads = 1;
   bool with_step = true, with_mesh = true;  // what those of the scenes are off by
-  bool calibrates = false;  // finds the factor that makes them hold 90 %, by three times as many rollouts more
+  // Finds the factor that makes them hold 90 %, by three times as many rollouts more where they hold what right ones do
+  // not.
+  bool calibrates = false;
   const std::atomic<bool>* cancel = nullptr;
 };
 
@@ -44,6 +48,11 @@ struct HeldBandCell {
   double rmse = 0.0;                                       // of the median
   double score = 0.0;                                      // the mean of `RankedScore`
   double half_width = 0.0;                                 // the mean over bands
+  // What `inside` and `rmse` would be of a right prediction (identify/prediction/coverage.h).
+  RightRange inside_if_right, rmse_if_right;
+
+  bool IsTooNarrow() const { return inside < inside_if_right.low || rmse > rmse_if_right.high; }
+  bool IsTooWide() const { return !IsTooNarrow() && rmse < rmse_if_right.low; }
 };
 
 // Of one of several recordings.
@@ -57,7 +66,9 @@ struct HeldRecordingBands {
 
 // One factor on the force that the model lacks, by which bands hold what they say.
 struct BandCalibration {
-  double factor = 1.0;  // from kLeastBandFactor to its inverse, where the bands are as near as that goes
+  // 1 where the bands hold what right ones may hold; else from kLeastBandFactor to its inverse, where they are as near
+  // to 90 % as that goes.
+  double factor = 1.0;
   double inside = 0.0;  // the share in bands of 90 % with it, by rollouts of their own
 };
 
@@ -73,8 +84,12 @@ struct HeldBands {
   std::string why_not;  // why there are none, in words that go on after "bands: "; empty: there are
 };
 
-// "bands of 90 % held 84 % of what was held out (70 % to 0.1 s and ..), +- 3 mm about a median that misses by 2 mm,
-// ..": one line.
+// "71 to 100 %".
+std::string RangeText(const RightRange& range);
+
+// "bands of 90 % held 84 % of what was held out (a right prediction: 71 to 100 %); 70 % to 0.1 s (right: 60 to 100 %)
+// and ..; +- 3 mm about a median that misses by 2 mm (right: 1 to 4 mm), ..": one line, which begins with "bands of 90
+// % are too narrow: they held", or "too wide", where they are.
 std::string HeldBandsText(const HeldBands& bands, bool has_only_forces);
 
 }  // namespace clothid

@@ -42,7 +42,8 @@ void ExpectOptions(const Scene& scene, const PredictionOptions& options) {
               "--draws: expected a number from " + std::to_string(kLeastDraws) + " to " + std::to_string(kMostDraws));
   const Eigen::Index num_frames = FrameSteps(options.frame_rate, scene.time_step, scene.num_steps()).size();
   const double bytes = sizeof(double) * static_cast<double>(scene.initial_positions.size()) *
-                       static_cast<double>(num_frames) * (options.num_draws + static_cast<int>(kBandQuantiles.size()));
+                       static_cast<double>(num_frames) *
+                       (options.num_draws * (options.keeps_draws ? 2 : 1) + static_cast<int>(kBandQuantiles.size()));
   ExpectUsage(bytes <= static_cast<double>(kMaxTrackBytes),
               "--draws: " + std::to_string(options.num_draws) + " draws of " + std::to_string(num_frames) +
                   " frames take " + std::to_string(static_cast<long long>(bytes) >> 20) + " MB; expected at most " +
@@ -250,7 +251,8 @@ Prediction Predict(const Scene& scene, const FitPosterior& posterior, const Pred
   std::vector<const Draw*> kept_draws;
   for (const Eigen::Index d : kept) kept_draws.push_back(&draws[static_cast<std::size_t>(d)]);
   for (const DerivedRequest& request : options.derived) prediction.derived.push_back({request, {}});
-  prediction.cloths.assign(std::min<std::size_t>(kShownCloths, kept.size()), Eigen::MatrixXd(num_rows, num_frames));
+  prediction.cloths.assign(options.keeps_draws ? kept.size() : std::min<std::size_t>(kShownCloths, kept.size()),
+                           Eigen::MatrixXd(num_rows, num_frames));
   DerivedDraws derived(scene, kept_draws, finer, factors, num_frames, &prediction.derived);
   Eigen::MatrixXd in_frame(num_rows, prediction.num_draws);
   for (Eigen::Index frame = 0; frame < num_frames; ++frame) {

@@ -48,7 +48,7 @@ struct Prediction {
   Eigen::VectorXd moved;   // [T] m, likewise how far the median is from the start
   SpreadShares shares;
   std::vector<DerivedBands> derived;    // of `PredictionOptions::derived`
-  std::vector<Eigen::MatrixXd> cloths;  // [3N x T] m, the first draws of those that worked, to look at
+  std::vector<Eigen::MatrixXd> cloths;  // [3N x T] m, draws that worked: the first kShownCloths to look at, or all
   int num_draws = 0, num_failed = 0;    // those that failed are in no number
   std::string failure;                  // of the first that failed; empty: none
   bool has_force = false, has_start = false, has_handles = false;  // whether it was drawn

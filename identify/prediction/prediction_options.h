@@ -22,6 +22,7 @@ struct PredictionOptions {
   bool with_step = true, with_mesh = true;      // what those of the scene are off by
   bool with_start = true, with_handles = true;  // what start and path of handles are off by, where the fit has found it
   std::vector<DerivedRequest> derived = {};     // what is asked for beside the positions of nodes
+  bool keeps_draws = false;                     // `Prediction::cloths` are all draws that work
   double frame_rate = 0.0;                      // Hz; 0: a frame per step
   int num_threads = 1;                          // that run rollouts side by side; the result does not depend on them
   const std::atomic<bool>* cancel = nullptr;

@@ -20,9 +20,11 @@ std::string PairText(const HeldRecordingBands& predicted, bool has_only_forces) 
     return has_only_forces ? NumberText(value, 2) + " N" : MillimetreText(value, 2);
   };
   const HeldBandCell& all = predicted.all;
-  return predicted.name + ": " + std::to_string(std::lround(100.0 * all.inside)) + " % in +- " +
-         length(all.half_width) + ", misses by " + length(all.rmse) + ", CRPS " + length(all.score) +
-         WorthText(predicted.worth_until);
+  const char* verdict = all.IsTooNarrow() ? ", too narrow" : all.IsTooWide() ? ", too wide" : "";
+  return predicted.name + ": " + std::to_string(std::lround(100.0 * all.inside)) +
+         " % (right: " + RangeText(all.inside_if_right) + ") in +- " + length(all.half_width) + verdict +
+         ", misses by " + length(all.rmse) + " (right: " + length(all.rmse_if_right.low) + " to " +
+         length(all.rmse_if_right.high) + "), CRPS " + length(all.score) + WorthText(predicted.worth_until);
 }
 
 }  // namespace

@@ -11,8 +11,10 @@ using Json = nlohmann::ordered_json;
 
 Json HeldBandCellJson(const HeldBandCell& cell) {
   return {{"inside", cell.inside},
+          {"inside_if_right", {cell.inside_if_right.low, cell.inside_if_right.high}},
           {"measurements", static_cast<long long>(cell.num)},
           {"median_rmse", cell.rmse},
+          {"median_rmse_if_right", {cell.rmse_if_right.low, cell.rmse_if_right.high}},
           {"crps", cell.score},
           {"half_width", cell.half_width}};
 }

@@ -40,6 +40,51 @@ def simulated(scene, truth, steps=1, levels=0, all_nodes=False):
     return grid.reshape(len(frames), -1, 3)
 
 
+class RightPrediction:
+    """What a right prediction holds and misses, of draws (D, ..) of the coordinates of a cell: coverage of bands of
+    90 % and error of the median, (low, high) nine times in ten, and `usual`, how often the coverage is 80 to 98 %."""
+
+    def __init__(self, draws):
+        coverage, error = clothid.leave_one_out(draws)
+        ends = np.quantile([coverage, error], (0.05, 0.95), axis=1, method="weibull")
+        self.coverage, self.error = ends[:, 0], ends[:, 1]
+        self.usual = np.mean((coverage >= 0.8) & (coverage <= 0.98))
+
+
+class Cell:
+    """Some frames of a prediction, judged: coverage, error of the median and half the width of the bands in m, and the
+    `RightPrediction` or None."""
+
+    def __init__(self, coverage, error, width, right=None):
+        self.coverage, self.error, self.width, self.right = coverage, error, width, right
+
+    def is_too_narrow(self):
+        return self.coverage < self.right.coverage[0] or self.error > self.right.error[1]
+
+    def is_too_wide(self):
+        return not self.is_too_narrow() and self.error < self.right.error[0]
+
+    def __str__(self):
+        told = f"{100 * self.coverage:.0f} %", f"{1e3 * self.error:.2g} mm"
+        if self.right:
+            shares, errors = 100 * self.right.coverage, 1e3 * self.right.error
+            told = f"{told[0]} ({shares[0]:.0f}..{shares[1]:.0f})", f"{told[1]} ({errors[0]:.2g}..{errors[1]:.2g})"
+        return f"{told[0]} of {told[1]} in +- {1e3 * self.width:.2g}"
+
+
+def count_cells(cells):
+    """How many of them lie where, in a line."""
+    coverage = np.array([cell.coverage for cell in cells])
+    usual = (coverage >= 0.8) & (coverage <= 0.98)
+    words = [f"{usual.sum()} of {len(cells)} cells hold 80 to 98 %, {(coverage < 0.8).sum()} less, "
+             f"{(coverage > 0.98).sum()} more"]
+    if all(cell.right for cell in cells):
+        narrow, wide = sum(cell.is_too_narrow() for cell in cells), sum(cell.is_too_wide() for cell in cells)
+        words = [f"{words[0]}, {sum(cell.right.usual for cell in cells):.0f} of right predictions",
+                 f"{len(cells) - narrow - wide} are as of right predictions, {narrow} too narrow, {wide} too wide"]
+    return "; ".join([*words, f"in the mean {100 * coverage.mean():.0f} %"])
+
+
 def clouds_on(frames, columns, count, noise, generator):
     """A list of (3, count) arrays, m: points anywhere on the triangles of a grid whose nodes (T, N, 3) have as many
     columns, each of the same chance, with noise of `noise` m on every coordinate."""

@@ -131,7 +131,7 @@ int PredictScene(const ScenePart& part, const std::string& result_path, Predicti
   output->median = RecordFrames(prediction.median(), prediction.times, part.scene, part.text,
                                 "predicted: the median of " + std::to_string(prediction.num_draws) +
                                     " rollouts, seed " + std::to_string(options.seed));
-  output->bands = BandsNpz(prediction, posterior);
+  output->bands = BandsNpz(prediction, posterior, options.keeps_draws);
   output->view = ViewOf(posterior, prediction);
   PrintPrediction(posterior, prediction);
   return kExitSuccess;

@@ -66,7 +66,8 @@ PredictionView ViewOf(const FitPosterior& posterior, const Prediction& predictio
                     (drawn.empty() ? "" : ": " + JoinWords(drawn)) + ".",
                 DominatesText(prediction)};
   if (!posterior.warning.empty()) view.facts.push_back("The fit says: " + posterior.warning);
-  view.cloths = prediction.cloths;
+  const auto num_shown = std::min<std::size_t>(kShownCloths, prediction.cloths.size());
+  view.cloths.assign(prediction.cloths.begin(), prediction.cloths.begin() + static_cast<std::ptrdiff_t>(num_shown));
   view.charts = {{"deviation",
                   "mm",
                   prediction.times,

@@ -70,6 +70,7 @@ A prediction:
                      largest), force (N, of every gripper on the cloth), slip (s, when it begins)
   --view FILE        the page shows cloths that may be, bands over time and what dominates them
   --bands FILE       the quantiles 5, 25, 50, 75 and 95 % of every node and time, bands.npz for NumPy
+  --keep_draws       .. and all rollouts, which tell how much of a motion right bands hold (clothid.leave_one_out)
 
   simulate --scene other.scene.json --result fit/result.json --bands bands.npz --output predicted.bin
 

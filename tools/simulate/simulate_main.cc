@@ -60,6 +60,7 @@ DEFINE_int32(draws, 50, "with --result: rollouts, each with parameters of its ow
 DEFINE_string(sources, "force,step,mesh,start,handles", "with --result: what spreads the rollouts beside parameters");
 DEFINE_string(of, "", "with --result: what to tell beside the positions of nodes");
 DEFINE_string(bands, "", "with --result: bands.npz to write");
+DEFINE_bool(keep_draws, false, "with --bands: every rollout, too");
 DEFINE_string(view, "", "page to write beside the recording");
 DEFINE_string(sensor, "", "sensor.json of a camera and a gripper that see a finer simulation");
 DEFINE_string(handles_output, "", "with --sensor: CSV file for the path of the gripper");
@@ -204,6 +205,7 @@ int RunPrediction(const Scene& scene, const std::string& scene_text) {
   if (!FLAGS_of.empty()) options.derived = ParseDerived(FLAGS_of, "--of", scene);
   options.num_draws = FLAGS_draws;
   options.seed = FLAGS_seed;
+  options.keeps_draws = FLAGS_keep_draws;
   options.frame_rate = FLAGS_frame_rate;
   options.num_threads = FLAGS_threads;
   options.cancel = &CatchInterrupts();
@@ -270,6 +272,7 @@ int main(int argc, char** argv) {
        Rule::kWithout, "sensor"},
       {"noise drop markers cloud float32 set set_field forces sensor", Rule::kWithout, "result"},
       {"draws sources of bands", Rule::kWith, "result"},
+      {"keep_draws", Rule::kWith, "bands"},
       {"force_sigma force_rate force_bias force_nodes", Rule::kWith, "forces"},
       {"handles_output forces_output", Rule::kWith, "sensor"}};
   program.lists = {{"set", ','}, {"set_field", ','}};

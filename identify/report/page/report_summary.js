@@ -70,7 +70,8 @@ function fillTiles() {
     const bands = holdout.bands;
     if (bands && Number.isFinite(bands.inside)) {
       tiles.push(['bands of 90 % held', percent(100 * bands.inside),
-        `of what was held out, by ${count(bands.draws, 'rollout')}`, 'bands']);
+        `of what was held out, by ${count(bands.draws, 'rollout')}; a right prediction: ` +
+          rangeText(bands.inside_if_right), 'bands']);
     }
   }
   part('tiles').replaceChildren(...tiles.map(([what, value, beside, id]) => {

@@ -8,6 +8,8 @@ const isCharted = (name) => result.wind !== undefined && /^wind\.[xyz]\.\d+(@\d+
 const COLOURS = {estimate: '#2d5f9a', start: '#a3adb8', interval: '#e58a3c', missed: '#8a6bb0'};
 
 const percent = (share) => share === null || share === undefined ? '–' : `${number(share, 5)} %`;
+// "71 to 100 %" of two shares.
+const rangeText = ([low, high]) => `${number(100 * low, 3)} to ${percent(100 * high)}`;
 
 function fillList(id, lines) {
   part(id).replaceChildren(...lines.map((line) => element('li', '', line)));

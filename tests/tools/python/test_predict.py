@@ -31,7 +31,8 @@ class PredictTest(unittest.TestCase):
             run("simulate", "--scene", folder / "scene.json", "--result", folder / "fit/result.json", "--draws", "20",
                 "--of", "area,force,point:12", "--frame_rate", "50", "--bands", folder / "bands.npz", "--output",
                 folder / "predicted.bin")
-            bands = np.load(folder / "bands.npz")
+            bands = dict(np.load(folder / "bands.npz"))
+            self.assertNotIn("draws", bands)
             from_file = clothid.predict(folder / "scene.json", folder / "fit/result.json", draws=20, frame_rate=50)
         calls = []
         prediction = clothid.predict(self.scene, self.result, draws=20, of=["area", "force", "point:12"], frame_rate=50,
@@ -57,6 +58,29 @@ class PredictTest(unittest.TestCase):
         np.testing.assert_array_equal(prediction.coverage(far)[1:], 0.0)
         with self.assertRaisesRegex(clothid.UsageError, "positions: expected the shape"):
             prediction.coverage(np.zeros(3))
+
+    def test_draws_tell_what_a_right_prediction_holds(self):
+        prediction = clothid.predict(self.scene, self.result, draws=20, keep_draws=True)
+        self.assertEqual(prediction.draws.shape, (20, *prediction.median.shape))
+        np.testing.assert_allclose(np.quantile(prediction.draws, prediction.quantiles, axis=0, method="weibull"),
+                                   prediction.positions, atol=1e-12)
+        spread = np.ptp(prediction.draws[:, 1:], axis=0) > 0  # neither of handles nor across the plane of the swing
+        coverage, error = clothid.leave_one_out(prediction.draws[:, 1:])
+        for draw in (0, 13):
+            others = np.delete(prediction.draws[:, 1:][:, spread], draw, axis=0)
+            low, median, high = np.quantile(others, (0.05, 0.5, 0.95), axis=0, method="weibull")
+            own = prediction.draws[draw, 1:][spread]
+            self.assertAlmostEqual(coverage[draw], np.mean((low <= own) & (own <= high)), places=3)
+            self.assertAlmostEqual(error[draw], np.sqrt(np.mean((own - median) ** 2)), places=9)
+        right = prediction.if_right(np.s_[1:])
+        self.assertEqual(right["coverage"], tuple(np.quantile(coverage, (0.05, 0.95), method="weibull")))
+        self.assertEqual(right["error"], tuple(np.quantile(error, (0.05, 0.95), method="weibull")))
+        self.assertAlmostEqual(coverage.mean(), 0.9, places=2)
+        self.assertIsNone(clothid.predict(self.scene, self.result, draws=20).draws)
+        with self.assertRaisesRegex(clothid.UsageError, "keep_draws=True"):
+            clothid.predict(self.scene, self.result, draws=20).if_right()
+        with self.assertRaisesRegex(clothid.UsageError, "draws: expected at least 19"):
+            clothid.leave_one_out(np.zeros((3, 5)))
 
     def test_refuses_what_predicts_nothing(self):
         with self.assertRaisesRegex(clothid.UsageError, "sources: expected some of"):

@@ -48,11 +48,16 @@ class TransferTest(unittest.TestCase):
             np.savez(path, times=times, draws=random.normal(size=(199, *truth.shape)))
             done = self.run_transfer(folder, "--predictions", folder)
             self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertIn("4 of 4 cells hold 80 to 98 %; in the mean 90 %", done.stdout)
+            self.assertRegex(done.stdout, r"4 of 4 cells hold 80 to 98 %, 0 less, 0 more, 4 of right predictions; [34] are "
+                             r"as of right predictions, 0 too narrow, [01] too wide; in the mean 90 %")
+            self.assertRegex(done.stdout, r"90 % \((89|90)\.\.(90|91)\) of 1e\+03 mm \(.*\) in \+- 1\.[67]e\+03")
+            for spread, words in ((0.3, "4 too narrow, 0 too wide"), (3.0, "0 too narrow, 4 too wide")):
+                np.savez(path, times=times, draws=spread * random.normal(size=(19, *truth.shape)))
+                self.assertIn(words, self.run_transfer(folder, "--predictions", folder).stdout)
             flat = np.zeros((5, *truth.shape))
             np.savez(path, times=times, positions=flat, quantiles=[0.05, 0.25, 0.5, 0.75, 0.95])
             done = self.run_transfer(folder, "--predictions", folder)
-            self.assertIn("0 of 4 cells hold 80 to 98 %; in the mean 0 %", done.stdout)
+            self.assertIn("0 of 4 cells hold 80 to 98 %, 4 less, 0 more; in the mean 0 %", done.stdout)
             self.assertRegex(done.stdout, r"0 % of 1e\+03 mm in \+- 0")
             for wrong, words in (({"times": times[1:]}, "times at 50 Hz"),
                                  ({"positions": flat[:, 1:]}, "5 x 76 x 121 x 3"),

@@ -1,9 +1,13 @@
 // clothid.predict, but for what the package makes of it.
 #include <array>
+#include <numeric>
 #include <string>
 
+#include "identify/prediction/bands.h"
+#include "identify/prediction/coverage.h"
 #include "identify/prediction/posterior.h"
 #include "identify/prediction/prediction.h"
+#include "sim/base/error.h"
 #include "tools/python/bindings/arrays.h"
 #include "tools/python/bindings/bindings.h"
 #include "tools/python/bindings/long_call.h"
@@ -11,13 +15,14 @@
 namespace clothid {
 namespace {
 
-// Quantiles [R x T] as an array (5, shape).
-py::array_t<double> FromMatrices(const std::array<Eigen::MatrixXd, 5>& quantiles, std::vector<py::ssize_t> shape) {
-  shape.insert(shape.begin(), static_cast<py::ssize_t>(quantiles.size()));
+// K matrices [R x T], quantiles or draws, as an array (K, shape).
+template <typename Matrices>
+py::array_t<double> FromMatrices(const Matrices& matrices, std::vector<py::ssize_t> shape) {
+  shape.insert(shape.begin(), static_cast<py::ssize_t>(matrices.size()));
   py::array_t<double> array(shape);
   double* next = array.mutable_data();
-  for (const Eigen::MatrixXd& quantile : quantiles)
-    next = std::copy(quantile.reshaped().begin(), quantile.reshaped().end(), next);
+  for (const Eigen::MatrixXd& matrix : matrices)
+    next = std::copy(matrix.reshaped().begin(), matrix.reshaped().end(), next);
   return array;
 }
 
@@ -31,8 +36,10 @@ py::array_t<double> FromQuantiles(const std::array<Eigen::MatrixXd, 5>& quantile
   return FromMatrices(quantiles, shape);
 }
 
-py::array_t<double> FromPositions(const std::array<Eigen::MatrixXd, 5>& quantiles) {
-  return FromMatrices(quantiles, {quantiles[0].cols(), quantiles[0].rows() / 3, 3});
+// As (K, T, N, 3).
+template <typename Matrices>
+py::array_t<double> FromPositions(const Matrices& motions) {
+  return FromMatrices(motions, {motions[0].cols(), motions[0].rows() / 3, 3});
 }
 
 py::dict FromShares(const SpreadShares& shares, const FitPosterior& posterior) {
@@ -48,7 +55,7 @@ py::dict FromShares(const SpreadShares& shares, const FitPosterior& posterior) {
   return of;
 }
 
-py::dict FromPrediction(const Prediction& prediction, const FitPosterior& posterior) {
+py::dict FromPrediction(const Prediction& prediction, const FitPosterior& posterior, bool with_draws) {
   py::dict of;
   of["times"] = FromVector(prediction.times);
   of["positions"] = FromPositions(prediction.quantiles);
@@ -60,6 +67,7 @@ py::dict FromPrediction(const Prediction& prediction, const FitPosterior& poster
     derived[py::str(bands.request.name)] = FromQuantiles(bands.quantiles, bands.request.kind);
   }
   of["derived"] = derived;
+  of["draws"] = with_draws ? py::object(FromPositions(prediction.cloths)) : py::none();
   of["num_draws"] = prediction.num_draws;
   of["num_failed"] = prediction.num_failed;
   of["worth_until"] = prediction.WorthUntil();
@@ -73,7 +81,7 @@ void BindPredict(py::module_* module) {
   module->def(
       "run_prediction",
       [](const py::object& scene_like, const std::string& result, const std::string& source, const std::string& of,
-         const std::string& sources, int draws, double frame_rate, std::uint64_t seed, int threads,
+         const std::string& sources, int draws, bool keep_draws, double frame_rate, std::uint64_t seed, int threads,
          const py::object& progress) {
         const PyScene scene = ToScene(scene_like);
         FitPosterior posterior = ParsePosterior(result, source);
@@ -82,6 +90,7 @@ void BindPredict(py::module_* module) {
         SetSources(sources, "sources", &options);
         if (!of.empty()) options.derived = ParseDerived(of, "of", *scene.scene);
         options.num_draws = draws;
+        options.keeps_draws = keep_draws;
         options.frame_rate = frame_rate;
         options.seed = seed;
         options.num_threads = threads;
@@ -96,10 +105,23 @@ void BindPredict(py::module_* module) {
           options.cancel = &cancel;
           prediction = Predict(*scene.scene, posterior, options);
         });
-        return FromPrediction(prediction, posterior);
+        return FromPrediction(prediction, posterior, keep_draws);
       },
       py::arg("scene"), py::arg("result"), py::arg("source"), py::arg("of"), py::arg("sources"), py::arg("draws"),
-      py::arg("frame_rate"), py::arg("seed"), py::arg("threads"), py::arg("progress"));
+      py::arg("keep_draws"), py::arg("frame_rate"), py::arg("seed"), py::arg("threads"), py::arg("progress"));
+  module->def(
+      "leave_one_out",
+      [](const py::array_t<double, py::array::c_style | py::array::forcecast>& draws) {
+        ExpectUsage(draws.ndim() == 2 && draws.shape(0) >= kLeastDraws,
+                    "draws: expected at least " + std::to_string(kLeastDraws));
+        const Eigen::Map<const Eigen::MatrixXd> columns(draws.data(), draws.shape(1), draws.shape(0));
+        std::vector<int> numbers(static_cast<std::size_t>(columns.cols()));
+        std::iota(numbers.begin(), numbers.end(), 0);
+        LeaveOneOut others(static_cast<int>(columns.cols()));
+        for (const auto& row : columns.rowwise()) others.Add(ByOthers(row.transpose()), numbers, 1.0);
+        return py::make_tuple(FromVector(others.Shares()), FromVector(others.Errors()));
+      },
+      py::arg("draws"));
 }
 
 }  // namespace clothid

@@ -25,7 +25,7 @@ from clothid._clothid import (
 from clothid._identify import Finding, Findings, RecordingWarning, check, identify
 from clothid._landscape import Landscape, landscape
 from clothid._plan import Plan, plan
-from clothid._predict import Prediction, predict
+from clothid._predict import Prediction, leave_one_out, predict
 from clothid._result import Estimate, Result, Verdict
 from clothid._view import View
 
@@ -53,6 +53,7 @@ __all__ = [
     "export",
     "identify",
     "landscape",
+    "leave_one_out",
     "plan",
     "predict",
     "simulate",

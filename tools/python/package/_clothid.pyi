@@ -169,8 +169,10 @@ def run_prediction(
     of: str,
     sources: str,
     draws: int,
+    keep_draws: bool,
     frame_rate: float,
     seed: int,
     threads: int,
     progress: Optional[Callable[[int, int], object]],
 ) -> Dict[str, Any]: ...
+def leave_one_out(draws: NDArray[np.float64]) -> Tuple[NDArray[np.float64], NDArray[np.float64]]: ...
