@@ -212,21 +212,29 @@ std::string FabricCardJson(const FabricCard& card) {
                                   {"time_step_s", recording.time_step},
                                   {"load_N", recording.load}});
   }
-  if (card.missing_force) {
-    json["missing_force"] = {{"deviation_N_m2", card.missing_force->deviation},
-                             {"time_s", card.missing_force->time},
-                             {"length_m", card.missing_force->length},
-                             {"factor", card.missing_force->factor}};
+  for (const CardForce& force : card.missing_forces) {
+    json["missing_force"].push_back({{"deviation_N_m2", force.deviation},
+                                     {"time_s", force.time},
+                                     {"length_m", force.length},
+                                     {"factor", force.factor}});
   }
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+bool IsFabricCard(const JsonNode& root) {
+  const auto schema = root.Find("schema");
+  return schema && schema->is(JsonValue::Kind::kString) && schema->String() == kCardSchema;
+}
+
 FabricCard ReadFabricCard(const std::string& path) {
   const JsonValue document = ParseJson(ReadText(path, kMaxJsonBytes), path);
-  const JsonNode root(document, path);
+  return ParseFabricCard(JsonNode(document, path));
+}
+
+FabricCard ParseFabricCard(const JsonNode& root) {
   const std::string expected = std::string("\"") + kCardSchema + "\", the card of a fit";
   const JsonNode schema = root.Require("schema", expected);
-  if (!schema.is(JsonValue::Kind::kString) || schema.String() != kCardSchema) schema.Fail("expected " + expected);
+  if (!IsFabricCard(root)) schema.Fail("expected " + expected);
   root.ExpectKeys({"schema", "clothid", "membrane", "bend_poisson", "constants", "recordings", "missing_force"});
   FabricCard card;
   card.program = root.Require("clothid", "a text").String();
@@ -242,10 +250,13 @@ FabricCard ReadFabricCard(const std::string& path) {
   for (const JsonNode& item : root.Require("recordings", "a list").items()) {
     card.recordings.push_back(ReadCardRecording(item));
   }
-  if (const auto force = root.Find("missing_force")) {
-    force->ExpectKeys({"deviation_N_m2", "time_s", "length_m", "factor"});
-    const auto number = [&](const char* key) { return force->Require(key, "a positive number").PositiveNumber(); };
-    card.missing_force = CardForce{number("deviation_N_m2"), number("time_s"), number("length_m"), number("factor")};
+  if (const auto forces = root.Find("missing_force")) {
+    const bool is_one = forces->is(JsonValue::Kind::kObject);
+    for (const JsonNode& force : is_one ? std::vector<JsonNode>{*forces} : forces->items()) {
+      force.ExpectKeys({"deviation_N_m2", "time_s", "length_m", "factor"});
+      const auto number = [&](const char* key) { return force.Require(key, "a positive number").PositiveNumber(); };
+      card.missing_forces.push_back({number("deviation_N_m2"), number("time_s"), number("length_m"), number("factor")});
+    }
   }
   return card;
 }

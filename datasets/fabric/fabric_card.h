@@ -10,9 +10,9 @@
 //      "upper95": .., "scatter": .., "seen": {"quantity": "strain" | "curvature_1_m", "from": .., "to": ..}}},
 //    "recordings": [{"name": .., "sha256": .., "kind": .., "nodes": .., "edge_m": .., "time_step_s": .., "load_N":
 //    ..}],
-//    "missing_force": {"deviation_N_m2": .., "time_s": .., "length_m": .., "factor": ..}}
+//    "missing_force": [{"deviation_N_m2": .., "time_s": .., "length_m": .., "factor": ..}]}
 //
-// "missing_force" is there where bands of predictions were calibrated.
+// "missing_force" is there where the fit found that its simulations lack one; older cards have one alone, no list.
 //
 // known: "fitted", with an interval; "believed", not fitted, with that of a prior; "assumed": a nominal value that
 // nothing tells, without an interval. scatter: the standard deviation between specimens, of the logarithm but for
@@ -21,10 +21,10 @@
 #define CLOTHID_DATASETS_FABRIC_FABRIC_CARD_H_
 
 #include <limits>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "sim/base/json_document.h"
 #include "sim/scene/parameter_table.h"
 #include "sim/scene/scene.h"
 
@@ -62,8 +62,8 @@ struct CardRecording {
   double load = std::numeric_limits<double>::quiet_NaN();  // N, the largest that a gauge read
 };
 
-// What its simulations were found to lack, as a random force per area, where bands of predictions were calibrated: its
-// deviation is `factor` times what corrections of the fitted recordings told.
+// What its simulations were found to lack, as a random force per area: its deviation is `factor`, of a calibration of
+// bands, times what the fitted recordings told.
 struct CardForce {
   double deviation = 0.0, time = 0.0, length = 0.0;  // N/m^2, s, m
   double factor = 1.0;
@@ -75,7 +75,7 @@ struct FabricCard {
   double bend_poisson = 0.0;
   std::vector<CardConstant> constants;  // in the order of the table
   std::vector<CardRecording> recordings;
-  std::optional<CardForce> missing_force;
+  std::vector<CardForce> missing_forces;  // which add up
 
   const CardConstant* Find(ParameterKind kind) const;  // null: it has none
   bool tells_any() const;
@@ -91,8 +91,12 @@ const char* SeenQuantity(ParameterKind kind);
 
 std::string FabricCardJson(const FabricCard& card);
 
-// Throws `Error` (kIo, kBadData), naming file and key and what was expected there.
+// Whether a JSON text says that it is one.
+bool IsFabricCard(const JsonNode& root);
+
+// Throw `Error` (kIo, kBadData), naming file and key and what was expected there.
 FabricCard ReadFabricCard(const std::string& path);
+FabricCard ParseFabricCard(const JsonNode& root);
 
 }  // namespace clothid
 

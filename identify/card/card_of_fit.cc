@@ -121,15 +121,10 @@ FabricCard CardOfFit(const FitSummary& summary, const FitChecks& checks, const s
     constant.seen_to = seen[kind].to;
     card.constants.push_back(constant);
   }
-  if (checks.held_bands && checks.held_bands->calibration) {
-    if (!checks.missing_forces.empty()) {
-      const double factor = checks.held_bands->calibration->factor;
-      LastingForce force = *std::max_element(checks.missing_forces.begin(), checks.missing_forces.end(),
-                                             [](const auto& a, const auto& b) { return a.size < b.size; });
-      force.size = 0.0;  // of their sum
-      for (const LastingForce& part : checks.missing_forces) force.size = std::hypot(force.size, part.size);
-      card.missing_force = CardForce{factor * force.size, force.time, force.length, factor};
-    }
+  const bool is_calibrated = checks.held_bands && checks.held_bands->calibration;
+  const double factor = is_calibrated ? checks.held_bands->calibration->factor : 1.0;
+  for (const LastingForce& force : checks.missing_forces) {
+    card.missing_forces.push_back({factor * force.size, force.time, force.length, factor});
   }
   return card;
 }

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <utility>
 
+#include "datasets/fabric/fabric_card.h"
 #include "identify/base/cloth_laws.h"
 #include "identify/base/fitted_result.h"
 #include "identify/prediction/random_streams.h"
@@ -206,7 +208,7 @@ std::optional<std::string> ReadLaw(const JsonNode& root, const std::string& key)
 }
 
 [[noreturn]] void FailOnParameter(const FitPosterior& posterior, const std::string& name, const std::string& problem) {
-  throw Error(ErrorKind::kBadData, posterior.path + ": key 'parameters." + name + "': " + problem);
+  throw Error(ErrorKind::kBadData, posterior.path + ": key '" + posterior.key + "." + name + "': " + problem);
 }
 
 // Throws where the scene has no such parameter, or it means something else there.
@@ -240,6 +242,33 @@ void Erase(std::size_t index, FitPosterior* posterior) {
   posterior->covariance = posterior->covariance(kept, kept).eval();
 }
 
+FitPosterior PosteriorOfCard(const JsonNode& root, const std::string& path) {
+  const FabricCard card = ParseFabricCard(root);
+  FitPosterior posterior;
+  posterior.path = path;
+  posterior.key = "constants";
+  posterior.membrane = MembraneName(card.membrane);
+  posterior.bending = "patches";
+  std::vector<double> variances;
+  for (const CardConstant& constant : card.constants) {
+    if (!constant.is_told()) continue;
+    constexpr double kAny = std::numeric_limits<double>::infinity();
+    const bool is_log = IsLogarithmic(constant.kind);
+    posterior.parameters.push_back({RowOf(constant.kind).name, is_log ? ParameterScale::kLog : ParameterScale::kLinear,
+                                    constant.value, is_log ? 0.0 : -kAny, kAny});
+    const double spread = constant.Prior().spread;
+    variances.push_back(std::pow(is_log ? std::log(spread) : spread, 2));
+  }
+  if (variances.empty()) root.Require("constants", "an object").Fail("expected one that a fit has told");
+  posterior.covariance =
+      Eigen::Map<const Eigen::VectorXd>(variances.data(), static_cast<Eigen::Index>(variances.size())).asDiagonal();
+  for (const CardForce& force : card.missing_forces) {
+    posterior.forces.push_back({force.deviation, force.time, force.length});
+    posterior.force_factor = force.factor;
+  }
+  return posterior;
+}
+
 }  // namespace
 
 double PosteriorParameter::ToCoordinate(double at) const { return scale == ParameterScale::kLog ? std::log(at) : at; }
@@ -253,6 +282,7 @@ FitPosterior ReadPosterior(const std::string& path) { return ParsePosterior(Read
 FitPosterior ParsePosterior(const std::string& text, const std::string& path) {
   const JsonValue json = ParseJson(text, path);
   const JsonNode root(json, path);
+  if (IsFabricCard(root)) return PosteriorOfCard(root, path);
   ExpectFit(root);
   FitPosterior posterior;
   posterior.path = path;

@@ -42,7 +42,7 @@ struct LearntStart {
 };
 
 struct FitPosterior {
-  std::string path;                            // for messages
+  std::string path, key = "parameters";        // the file and its key that holds them, for messages
   std::string warning;                         // the verdict of a fit that must not be used; empty: it may be
   std::vector<PosteriorParameter> parameters;  // [p] those with an interval
   Eigen::MatrixXd covariance;                  // [p x p] of q
@@ -60,7 +60,10 @@ struct FitPosterior {
 // Throws `Error` (kIo, kBadData), naming file and key and what was expected, for a result that tells no intervals: of a
 // fit that failed, was interrupted, or of fields, which result.json does not hold.
 FitPosterior ReadPosterior(const std::string& path);
-// The same of the text of one; `path` names it in errors.
+// The same of the text of one, or of the card of a cloth (datasets/fabric/fabric_card.h); `path` names it in errors.
+//
+// Of a card parameters are the constants that it tells, each for itself, as wide as interval and scatter together; what
+// it assumes is left to the scene. Starts count as known.
 FitPosterior ParsePosterior(const std::string& text, const std::string& path);
 
 // That of a fit that has just ended, with an uncertainty, and of the forces that its model lacks. Unlike one that was

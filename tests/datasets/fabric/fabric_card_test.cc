@@ -103,17 +103,19 @@ TEST_F(FabricCardTest, ReadsBackWhatItWrote) {
   EXPECT_EQ(again.Find(Kind::kStretchStiffness), nullptr);
 }
 
-TEST_F(FabricCardTest, KeepsTheForceThatBandsWereCalibratedWith) {
+TEST_F(FabricCardTest, KeepsTheForcesThatSimulationsLack) {
   FabricCard card = YarnCard();
   EXPECT_EQ(FabricCardJson(card).find("missing_force"), std::string::npos);
-  card.missing_force = CardForce{0.2, 0.05, 0.1, 2.5};
+  card.missing_forces = {{0.2, 0.05, 0.1, 2.5}, {0.1, 1.0, 0.1, 2.5}};
   const FabricCard again = ReadFabricCard(Write(FabricCardJson(card)));
-  ASSERT_TRUE(again.missing_force.has_value());
-  EXPECT_EQ(again.missing_force->deviation, 0.2);
-  EXPECT_EQ(again.missing_force->time, 0.05);
-  EXPECT_EQ(again.missing_force->length, 0.1);
-  EXPECT_EQ(again.missing_force->factor, 2.5);
+  ASSERT_EQ(again.missing_forces.size(), 2u);
+  EXPECT_EQ(again.missing_forces[0].deviation, 0.2);
+  EXPECT_EQ(again.missing_forces[0].length, 0.1);
+  EXPECT_EQ(again.missing_forces[1].time, 1.0);
+  EXPECT_EQ(again.missing_forces[1].factor, 2.5);
   Json json = Json::parse(FabricCardJson(card));
+  json["missing_force"] = json["missing_force"][0];  // as older cards have it
+  EXPECT_EQ(ReadFabricCard(Write(json.dump())).missing_forces.size(), 1u);
   json["missing_force"]["factor"] = -1.0;
   Write(json.dump());
   ExpectError([&] { ReadFabricCard(path_); }, ErrorKind::kBadData, {"key 'missing_force.factor'"});

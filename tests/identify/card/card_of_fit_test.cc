@@ -102,7 +102,7 @@ TEST(SeenRangesTest, CurvatureIsThatOfACylinder) {
   EXPECT_NEAR(ranges.at(Kind::kBendingStiffness).to, 1.0 / kRadius, 0.05 / kRadius);
 }
 
-TEST(CardOfFitTest, KeepsTheForceThatBandsWereCalibratedWith) {
+TEST(CardOfFitTest, KeepsTheForcesThatItsSimulationsLack) {
   const Scene scene = Strip(kYarns);
   FitChecks checks;
   checks.missing_forces = {{0.08, 0.05, 0.2}, {0.06, 1.0, 0.2}};
@@ -110,12 +110,14 @@ TEST(CardOfFitTest, KeepsTheForceThatBandsWereCalibratedWith) {
   const auto card = [&] {
     return CardOfFit(Fitted("k_warp", 310.0, 300.0, 320.0), checks, {Recorded(scene)}, {Eigen::MatrixXd()});
   };
-  EXPECT_FALSE(card().missing_force.has_value()) << "nobody calibrated";
+  ASSERT_EQ(card().missing_forces.size(), 2u);
+  EXPECT_EQ(card().missing_forces[0].deviation, 0.08);
+  EXPECT_EQ(card().missing_forces[0].factor, 1.0);
   checks.held_bands->calibration = BandCalibration{3.0, 0.9};
-  ASSERT_TRUE(card().missing_force.has_value());
-  EXPECT_NEAR(card().missing_force->deviation, 0.3, 1e-15) << "of the sum";
-  EXPECT_EQ(card().missing_force->time, 0.05);
-  EXPECT_EQ(card().missing_force->factor, 3.0);
+  EXPECT_NEAR(card().missing_forces[0].deviation, 0.24, 1e-15);
+  EXPECT_NEAR(card().missing_forces[1].deviation, 0.18, 1e-15);
+  EXPECT_EQ(card().missing_forces[1].time, 1.0);
+  EXPECT_EQ(card().missing_forces[1].factor, 3.0);
 }
 
 TEST(CardOfFitTest, HoldsConstantsOfTheClothAlone) {

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "datasets/fabric/fabric_card.h"
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"
 #include "tests/identify/prediction/result_text.h"
@@ -115,7 +116,7 @@ TEST_F(PosteriorTest, DrawsStayWithinBounds) {
 
 TEST_F(PosteriorTest, RefusesResultsWithoutIntervals) {
   Json json = Fit();
-  json["schema"] = "clothid.fabric/1";
+  json["schema"] = "clothid.plan/1";
   ExpectRefused(json, {"result.json:", "key 'schema'", "expected \"clothid.result/1\""});
   json = Fit();
   json["status"] = "interrupted";
@@ -171,6 +172,43 @@ TEST_F(PosteriorTest, ForcesThatLastAreRead) {
   EXPECT_EQ(posterior.forces[1].length, 0.2);
   json["missing_force"] = ForcesText({{0.0, 0.05, 0.2}});
   ExpectError([&] { Read(json); }, ErrorKind::kBadData, {"deviation_N_m2", "number > 0"});
+}
+
+// Of a card the constants that it tells, with the scatter between specimens, and all that its simulations lack.
+TEST_F(PosteriorTest, TheCardOfAClothIsRead) {
+  FabricCard card;
+  card.program = "a test";
+  CardConstant stretch;
+  stretch.kind = ParameterKind::kStretchStiffness;
+  stretch.value = 100.0;
+  stretch.known_by = KnownBy::kFitted;
+  stretch.lower95 = 100.0 * std::exp(-0.05 * 1.959963984540054);
+  stretch.upper95 = 100.0 * std::exp(0.05 * 1.959963984540054);
+  stretch.scatter = 0.12;
+  CardConstant density;
+  density.kind = ParameterKind::kDensity;
+  density.value = 0.2;
+  card.constants = {density, stretch};
+  card.missing_forces = {{0.1, 0.05, 0.2, 2.0}, {0.3, 1.0, 0.2, 2.0}};
+  FitPosterior posterior = ParsePosterior(FabricCardJson(card), "fabric.json");
+  ASSERT_EQ(posterior.parameters.size(), 1u) << "the density is assumed";
+  EXPECT_EQ(posterior.parameters[0].name, "k_stretch");
+  EXPECT_NEAR(posterior.covariance(0, 0), std::pow(0.13, 2), 1e-6);
+  ASSERT_EQ(posterior.forces.size(), 2u);
+  EXPECT_EQ(posterior.forces[1].size, 0.3) << "with the factor of its calibration";
+  EXPECT_EQ(posterior.force_factor, 2.0);
+  EXPECT_FALSE(posterior.start.has_value());
+  FitPosterior of_yarns = posterior;
+  of_yarns.membrane = "yarn";
+  ExpectError([&] { FitToScene(SwingScene(), "other.json", &of_yarns); }, ErrorKind::kBadData,
+              {"fabric.json: key 'constants.k_stretch': is of the membrane \"yarn\""});
+  FitToScene(SwingScene(), "other.json", &posterior);
+  const Eigen::MatrixXd values = DrawParameters(posterior, 400, 1);
+  EXPECT_NEAR(values.array().log().mean(), std::log(100.0), 0.03);
+  card.constants[1].known_by = KnownBy::kAssumed;
+  card.constants[1].lower95 = card.constants[1].upper95 = std::nan("");
+  ExpectError([&] { ParsePosterior(FabricCardJson(card), "fabric.json"); }, ErrorKind::kBadData,
+              {"fabric.json", "key 'constants'", "that a fit has told"});
 }
 
 }  // namespace

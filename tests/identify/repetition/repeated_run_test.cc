@@ -293,6 +293,44 @@ TEST_F(RepeatedRunTest, EachRecordingPredictsTheOthers) {
   EXPECT_NE(ReadFile(folder_.File("out/report.html"), kMaxJsonBytes).find("Who predicts whom"), std::string::npos);
 }
 
+// All of them predict what was held out, and one factor is found for the forces that they lack together; the single
+// fits hold nothing out.
+TEST_F(RepeatedRunTest, BandsOfWhatIsHeldOutAreCalibrated) {
+  const auto recorded = [&](const std::string& name, double drag, std::uint64_t seed) {
+    Json scene = SceneOf(60.0);
+    scene["materials"]["drag"] = drag;
+    SyntheticOptions synthetic;
+    synthetic.noise_sigma = 1e-4;
+    synthetic.seed = seed;
+    WriteMotion(SimulatedText(scene.dump(), synthetic), folder_.File(name));
+    return folder_.File(name);
+  };
+  RunOptions options;
+  options.target_paths = {recorded("a.bin", 0.15, 1), recorded("b.bin", 0.15, 2)};
+  options.holdout_paths = {recorded("c.bin", 1.0, 3)};                             // in other air
+  options.reading.scene_path = folder_.Write("scene.json", SceneOf(60.0).dump());  // with less air
+  options.fit.parameters = {"k_stretch"};
+  options.output = folder_.File("out");
+  options.report_page = false;
+  options.repeat = true;
+  options.calibrates_bands = true;
+  const RunResult result = Identify(options);
+  ASSERT_TRUE(result.checks.repetitions);
+  EXPECT_EQ(result.checks.repetitions->fits.size(), 2u);
+  ASSERT_TRUE(result.checks.held_bands);
+  const HeldBands& bands = *result.checks.held_bands;
+  EXPECT_TRUE(bands.all.IsTooNarrow()) << bands.all.rmse << " of " << bands.all.rmse_if_right.high;
+  ASSERT_TRUE(bands.calibration);
+  EXPECT_GT(bands.calibration->factor, 1.5);
+  EXPECT_GT(bands.calibration->inside, bands.all.inside);
+  const Json json = Json::parse(Text("out/result.json")), card = Json::parse(Text("out/fabric.json"));
+  EXPECT_EQ(json["holdout"]["bands"]["calibration"]["force_factor"].get<double>(), bands.calibration->factor);
+  ASSERT_FALSE(json["missing_force"].empty());
+  EXPECT_EQ(card["missing_force"].size(), json["missing_force"].size());
+  EXPECT_EQ(card["missing_force"][0]["factor"].get<double>(), bands.calibration->factor);
+  EXPECT_NE(result.table.find("bands of 90 % are too narrow: they held "), std::string::npos) << result.table;
+}
+
 TEST_F(RepeatedRunTest, PredictionsOfEachOtherNeedTwoRecordings) {
   RunOptions options = Options();
   options.repeat = false;

@@ -49,6 +49,30 @@ TEST_F(PredictTest, WritesTheMedianAndTheBands) {
   EXPECT_EQ(archive.out, "None " + std::to_string(128 + 8 * 5 * 6 * 48) + "\n") << archive.err;
 }
 
+// A card of the cloth in place of a result, and every rollout beside the bands.
+TEST_F(PredictTest, TakesACardAndKeepsTheDraws) {
+  Json card = {{"schema", "clothid.fabric/1"}, {"clothid", "a test"},         {"membrane", "arap"},
+               {"bend_poisson", 0.0},          {"constants", Json::object()}, {"recordings", Json::array()}};
+  card["constants"]["k_stretch"] = {{"value", 100.0}, {"unit", "N/m"},  {"known", "fitted"}, {"lower95", 90.0},
+                                    {"upper95", 111}, {"scatter", 0.1}, {"seen", nullptr}};
+  WriteBytes(folder() / "fabric.json", card.dump());
+  EXPECT_NE(Run(Command("--result fabric.json")).out.find("tells no force that it lacks"), std::string::npos);
+  card["missing_force"] = Json::array();
+  for (const double time : {0.05, 1.0}) {
+    card["missing_force"].push_back({{"deviation_N_m2", 0.05}, {"time_s", time}, {"length_m", 0.1}, {"factor", 1.0}});
+  }
+  WriteBytes(folder() / "fabric.json", card.dump());
+  const ToolResult result = Run(Command("--result fabric.json --bands bands.npz --keep_draws"));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  for (const char* part : {"drawn           k_stretch", "0.05 N/m^2 for 0.05 s and 0.05 N/m^2 for 1 s"}) {
+    EXPECT_NE(result.out.find(part), std::string::npos) << part << "\n" << result.out;
+  }
+  const ToolResult archive =
+      Run("python3 -c \"import zipfile; a = zipfile.ZipFile('bands.npz'); print(len(a.read('draws.npy')))\"");
+  EXPECT_EQ(archive.out, std::to_string(128 + 8 * 20 * 6 * 48) + "\n") << archive.err;
+  ExpectRefused(Command("--result fabric.json --keep_draws"), 1, "--keep_draws");
+}
+
 TEST_F(PredictTest, ThePageHasCloudAndBands) {
   ExpectSuccess(Command("--result result.json --of area --view page.html --bands b.npz"));
   const std::string page = ReadBytes(folder() / "page.html");
@@ -115,8 +139,8 @@ TEST_F(PredictTest, RefusesWhatPredictsNothing) {
   ExpectRefused(command + "--bands result.json", 1, "result.json: would replace an input");
   ExpectRefused(command + "--bands absent/b.npz", 1, "absent/b.npz: cannot be written");
   ExpectRefused(Command("--result absent.json"), 1, "absent.json");
-  WriteBytes(folder() / "card.json", R"({"schema": "clothid.fabric/1"})");
-  ExpectRefused(Command("--result card.json"), 2, "card.json:1: key 'schema': expected \"clothid.result/1\"");
+  WriteBytes(folder() / "plan.json", R"({"schema": "clothid.plan/1"})");
+  ExpectRefused(Command("--result plan.json"), 2, "plan.json:1: key 'schema': expected \"clothid.result/1\"");
   WriteBytes(folder() / "warp.json", ResultText({{"k_warp", {100.0, 2.0}}}).dump());
   ExpectRefused(Command("--result warp.json"), 2,
                 "warp.json: key 'parameters.k_warp': expected a parameter that scene.json has");
