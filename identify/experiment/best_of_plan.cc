@@ -28,6 +28,19 @@ class Best {
   int index_ = -1;
 };
 
+// The first of the narrowest; NaN: nothing is predicted, or it failed.
+template <typename Planned>
+int Narrowest(const std::vector<Planned>& all) {
+  int narrowest = -1;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!(all[i].prediction_width < least)) continue;
+    least = all[i].prediction_width;
+    narrowest = static_cast<int>(i);
+  }
+  return narrowest;
+}
+
 }  // namespace
 
 int BestCandidate(const Plan& plan, std::size_t parameter) {
@@ -45,5 +58,9 @@ int BestPair(const Plan& plan, std::size_t parameter) {
   }
   return best.index();
 }
+
+int BestCandidateToPredict(const Plan& plan) { return Narrowest(plan.candidates); }
+
+int BestPairToPredict(const Plan& plan) { return Narrowest(plan.pairs); }
 
 }  // namespace clothid

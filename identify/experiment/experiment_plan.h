@@ -66,6 +66,9 @@ Plan PlanExperiment(const PlanOptions& options);
 // candidate, a pair; -1: none tells it.
 int BestCandidate(const Plan& plan, std::size_t parameter);
 int BestPair(const Plan& plan, std::size_t parameter);
+// What makes the prediction the narrowest, likewise.
+int BestCandidateToPredict(const Plan& plan);
+int BestPairToPredict(const Plan& plan);
 
 // What is expected of every candidate and of the best pairs, and what would help, for people.
 std::string PlanTable(const Plan& plan);
@@ -86,9 +89,10 @@ std::string PlanTable(const Plan& plan);
 //   provenance  version, git, flags
 std::string PlanJson(const PlanOptions& options, const Plan& plan);
 // plan.html: what plan.json says, as pictures: the motion that tells each parameter best, expected intervals as bars on
-// a common axis, and every motion as a replay in the colours of the information per node, with that per frame below it.
-// The page is like that of a fit (identify/report/report_page.h): one file below kMaxReportBytes, for which frames are
-// left out, that asks no server for anything, in which names are shown and never run. The same bytes for the same plan.
+// a common axis, how wide a prediction would be, and every motion as a replay in the colours of the information per
+// node, with that per frame below it. The page is like that of a fit (identify/report/report_page.h): one file below
+// kMaxReportBytes, for which frames are left out, that asks no server for anything, in which names are shown and never
+// run. The same bytes for the same plan.
 std::string PlanHtml(const PlanOptions& options, const Plan& plan);
 
 inline constexpr char kPlanFile[] = "plan.json", kPlanPageFile[] = "plan.html";

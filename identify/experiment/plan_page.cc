@@ -63,8 +63,9 @@ Json InformationJson(const Plan& plan, const CandidatePlan& candidate) {
 }
 
 // The data of plan.html: plan.json, but "information" as above, no more than kMostImprovements "improvements", and of
-// "pairs" those that are the best for a parameter. "best" of each parameter {"candidate", "pair"}, indices or -1, the
-// latter of the pairs that are left; "num_pairs" there were. "replay" of each candidate as `ReplayJson` has it.
+// "pairs" those that are the best for a parameter, or for the prediction. "best" of each parameter {"candidate",
+// "pair"}, indices or -1, the latter of the pairs that are left, and likewise of "prediction"; "num_pairs" there were.
+// "replay" of each candidate as `ReplayJson` has it.
 Json PlanData(const PlanOptions& options, const Plan& plan) {
   Json json = Json::parse(PlanJson(options, plan));
   for (std::size_t c = 0; c < plan.candidates.size(); ++c) {
@@ -77,15 +78,19 @@ Json PlanData(const PlanOptions& options, const Plan& plan) {
   }
   Json pairs = Json::array();
   std::vector<int> kept;
-  for (std::size_t i = 0; i < plan.parameters.size(); ++i) {
-    const int pair = BestPair(plan, i);
+  const auto best_of = [&](int candidate, int pair) -> Json {
     auto place = std::find(kept.begin(), kept.end(), pair);
     if (pair >= 0 && place == kept.end()) {
       place = kept.insert(place, pair);
       pairs.push_back(json["pairs"][static_cast<std::size_t>(pair)]);
     }
-    json["best"][plan.parameters[i]] = {{"candidate", BestCandidate(plan, i)},
-                                        {"pair", pair < 0 ? -1 : static_cast<int>(place - kept.begin())}};
+    return {{"candidate", candidate}, {"pair", pair < 0 ? -1 : static_cast<int>(place - kept.begin())}};
+  };
+  for (std::size_t i = 0; i < plan.parameters.size(); ++i) {
+    json["best"][plan.parameters[i]] = best_of(BestCandidate(plan, i), BestPair(plan, i));
+  }
+  if (!plan.predicted.empty()) {
+    json["prediction"].update(best_of(BestCandidateToPredict(plan), BestPairToPredict(plan)));
   }
   json["num_pairs"] = plan.pairs.size();
   json["pairs"] = pairs;

@@ -122,22 +122,16 @@ void AddPrediction(const Plan& plan, double width, std::ostringstream* text) {
 
 // What narrows the prediction the most: of single motions, and of pairs.
 void AddBestPrediction(const Plan& plan, std::ostringstream* text) {
-  const CandidatePlan* best = nullptr;
-  for (const CandidatePlan& candidate : plan.candidates) {
-    const bool is_better = best == nullptr || candidate.prediction_width < best->prediction_width;
-    if (candidate.failure.empty() && is_better) best = &candidate;
-  }
   const auto line = [&](double width, const std::string& names) {
     *text << Padded("best", kNameWidth + 2) << "prediction of " << plan.predicted << "  +- " << MillimetreText(width, 3)
           << "  " << names << "\n";
   };
-  if (best != nullptr) line(best->prediction_width, best->name);
-  const auto pair = std::min_element(plan.pairs.begin(), plan.pairs.end(), [](const auto& a, const auto& b) {
-    return a.prediction_width < b.prediction_width;
-  });
-  if (pair == plan.pairs.end()) return;
-  line(pair->prediction_width, plan.candidates[static_cast<std::size_t>(pair->first)].name + " and " +
-                                   plan.candidates[static_cast<std::size_t>(pair->second)].name);
+  const int candidate = BestCandidateToPredict(plan), pair = BestPairToPredict(plan);
+  const auto name = [&](int c) { return plan.candidates[static_cast<std::size_t>(c)].name; };
+  if (candidate >= 0) line(plan.candidates[static_cast<std::size_t>(candidate)].prediction_width, name(candidate));
+  if (pair < 0) return;
+  const PairPlan& both = plan.pairs[static_cast<std::size_t>(pair)];
+  line(both.prediction_width, name(both.first) + " and " + name(both.second));
 }
 
 void AddCandidate(const Plan& plan, const CandidatePlan& candidate, std::ostringstream* text) {

@@ -39,9 +39,27 @@ function fillFailed() {
   }));
 }
 
+// Motions, the one first that leaves the prediction the narrowest, and the best pair.
+function fillPrediction() {
+  const predicted = data.prediction;
+  part('prediction-card').hidden = !predicted;
+  if (!predicted) return;
+  const believed = predicted.believed_width_m, both = data.pairs[predicted.pair];
+  const planned = ran.map((own) => ({who: own.name, width: own.prediction_width_m}));
+  planned.sort((a, b) => a.width - b.width);
+  if (both) planned.push({who: pairName(both), width: both.prediction_width_m});
+  fillTable('prediction', ['recorded', 'the prediction is off by', 'of what is believed'],
+    planned.map(({who, width}, i) => [element('td', i === 0 ? 'estimate' : '', who),
+      element('td', 'number', `± ${millimetres(width)}`), element('td', 'number', `${number(100 * width / believed, 3)} %`)]));
+  part('prediction-caption').textContent = `Of ${predicted.name}, ± ${millimetres(believed)} by what is believed now: ` +
+    'standard deviations of a coordinate, to first order, by what such a recording leaves open of the parameters. ' +
+    'What it would not tell, as forces that the model lacks, comes on top of all of them.';
+}
+
 fillHead();
 fillBest();
 fillFacts();
 fillFailed();
+fillPrediction();
 fillBars();
 fillMotions();

@@ -17,11 +17,13 @@ constexpr char kFall[] = R"({"clothid_scene": 2, "time_step": 0.01, "duration": 
 
 class PlanBrowserTest : public PageBrowserTest {
  protected:
-  // The page of a plan of two motions, one with a hostile name, opened.
+  // The page of a plan of two motions, one with a hostile name, and of what they tell of a third, opened.
   void OpenPlan() {
     WriteBytes(folder() / "<img src=x onerror=alert(1)>.json", kSwing);
     WriteBytes(folder() / "fall.json", kFall);
+    WriteBytes(folder() / "other.json", kSwing);
     ASSERT_EQ(Run("plan --scenes '<img src=x onerror=alert(1)>.json,fall.json' --fit k_stretch,density --sigma 0.002 "
+                  "--predict other.json "
                   "--prior density=0.15:1.05 "
                   "--draws 0 --initial scene --forces=false --output out")
                   .exit_code,
@@ -60,6 +62,10 @@ TEST_F(PlanBrowserTest, SaysWhatIsToldAndFitsEveryWindow) {
   EXPECT_GT(browser().Evaluate("document.querySelectorAll('.track.untold').length").get<int>(), 0);
   EXPECT_NE(Text("intervals").get<std::string>().find("not told: "), std::string::npos);
   EXPECT_NE(Text("intervals").get<std::string>().find("noise \u00b1 "), std::string::npos);
+  const std::string prediction = Text("prediction");
+  EXPECT_NE(prediction.find("\u00b1 "), std::string::npos) << prediction;
+  EXPECT_LT(prediction.find("onerror"), prediction.find("fall")) << "the narrowest first";
+  EXPECT_NE(Text("prediction-caption").get<std::string>().find("Of other"), std::string::npos);
   for (const int width : {400, 700, 1000, 1400}) {
     browser().Resize(width, 900);
     EXPECT_EQ(browser().WhatStandsOut(), "") << width;

@@ -58,6 +58,21 @@ TEST_F(PlanPageTest, HoldsWhatThePlanSays) {
   EXPECT_EQ(page["candidates"][1]["parameters"]["k_stretch"]["told"], false);
 }
 
+TEST_F(PlanPageTest, TellsWhatNarrowsAPrediction) {
+  EXPECT_FALSE(Page().contains("prediction")) << "nobody asked";
+  options_.predicted_path = folder_.Write("other.scene.json", kSwing);
+  plan_ = PlanExperiment(options_);
+  const Json page = Page(), &prediction = page["prediction"];
+  EXPECT_EQ(prediction["name"], "other");
+  EXPECT_EQ(prediction["candidate"], 0) << "the fall tells nothing";
+  EXPECT_EQ(page["pairs"][prediction["pair"].get<std::size_t>()]["candidates"], Json({"swing", "fall"}));
+  EXPECT_LT(page["candidates"][0]["prediction_width_m"].get<double>(),
+            0.1 * page["candidates"][1]["prediction_width_m"].get<double>());
+  EXPECT_NEAR(page["candidates"][1]["prediction_width_m"].get<double>(), prediction["believed_width_m"].get<double>(),
+              0.01 * prediction["believed_width_m"].get<double>());
+  EXPECT_NE(PlanTable(plan_).find("prediction of other"), std::string::npos);
+}
+
 TEST_F(PlanPageTest, InformationIsThatOfTheMap) {
   const InformationMap& map = plan_.candidates[0].map;
   const Json column = Page()["candidates"][0]["information"]["parameters"]["k_stretch"];
