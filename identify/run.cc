@@ -275,14 +275,17 @@ class Run {
     }
   }
 
-  // Where noise is all that the fit leaves, nothing is missing.
+  // Where noise is all that the fit leaves, nothing is missing. Of a fit that must not be used nobody predicts, but for
+  // what it holds out.
   void MatchMissingForces() {
+    const std::optional<LastingForce> told = MeanForce(checks_.corrections);
+    if (told) checks_.missing_forces = {*told};
+    if (inputs_.held_out.empty() && Judge(summary_, checks_).overall == Usability::kDoNotUse) return;
     if (!summary_.assimilation.is_on() && LeavesNoise(*problem_, summary_.predicted, summary_.cost)) return;
     ForceMatchOptions options;
     options.seed = fit_options_.seed;
     options.num_threads = fit_options_.num_threads;
     options.cancel = fit_options_.cancel;
-    const std::optional<LastingForce> told = MeanForce(checks_.corrections);
     const auto match = [&](const std::vector<RecordedMotion>& motions) {
       return MatchForces(motions, problem_->blocks(), summary_.values(), FittedStarts(), told, options);
     };
