@@ -73,12 +73,18 @@ class ResumeTest : public ToolTest {
 class KillTest : public ResumeTest, public testing::WithParamInterface<std::vector<std::string>> {
  protected:
   // Starts a fit and kills it at a random moment within a part of the seconds that a fit takes: of that many parts of
-  // the same length, the one of that index. Whether the fit was still running.
+  // the same length, the one of that index; every second time, though, soon after it has a journal, which stages before
+  // it may keep it waiting for. Whether the fit was still running.
   bool Kill(int part, int num_parts, std::mt19937* random) {
     const auto start = std::chrono::steady_clock::now();
     const ToolProcess identify = Resume(GetParam());
-    const double moment = part + std::uniform_real_distribution<double>(0.0, 1.0)(*random);
-    std::this_thread::sleep_for(moment / num_parts * duration_);
+    const double share = std::uniform_real_distribution<double>(0.0, 1.0)(*random);
+    if (part % 2 == 1) {
+      while (identify.IsRunning() && JournalSize(1) == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      std::this_thread::sleep_for(0.1 * share * duration_);
+    } else {
+      std::this_thread::sleep_for((part + share) / num_parts * duration_);
+    }
     identify.Signal(SIGKILL);
     const bool was_running = !identify.Wait().has_value();
     // How long a fit takes varies with what else the machine does.
