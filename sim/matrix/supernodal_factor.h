@@ -1,7 +1,4 @@
 // The numeric half of a supernodal Cholesky factorisation A = L L^T.
-//
-// Without BLAS: the supernodes of a cloth are small matrices, for which the calls cost more than the arithmetic, and
-// OpenBLAS takes a lock of the whole process in each of them.
 #ifndef CLOTHID_SIM_MATRIX_SUPERNODAL_FACTOR_H_
 #define CLOTHID_SIM_MATRIX_SUPERNODAL_FACTOR_H_
 
