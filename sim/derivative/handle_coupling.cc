@@ -68,44 +68,55 @@ ForcePoint HandleCoupling::point() const {
 StepColumns HandleCoupling::Times(int place, const Eigen::MatrixXd& columns) const {
   const Eigen::MatrixXd all = model_.ScatterHandles(columns);
   const ForceSet& forces = whole_.forces();
-  const Eigen::MatrixXd by_speed = pairs_->speeds * all / record_->time_step;
+  const bool has_pairs = !pairs_->is_empty();
+  Eigen::MatrixXd by_speed(pairs_->friction.size(), columns.cols());
+  if (has_pairs) by_speed = pairs_->speeds * all / record_->time_step;
   if (place == 0) {
     Eigen::MatrixXd product = TimesHessian(all);
     forces.AddPredictionProduct(-record_->time_step, point(), held_, all, &product);
     return {model_.GatherColumns(product), by_speed};
   }
   const Origin& origin = origins_[place - 1];
-  Eigen::MatrixXd product = pairs_->weights * all;
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(all.rows(), all.cols());
+  if (has_pairs) {
+    product += pairs_->weights * all;
+    by_speed = origin.share * (pairs_->geometry * all - by_speed);
+  }
   forces.AddOriginProduct(record_->time_step, point(), *origin.positions, all, &product);
   forces.AddVelocityProduct(-1.0, point(), held_, all, &product);
-  return {origin.share * model_.GatherColumns(product), origin.share * (pairs_->geometry * all - by_speed)};
+  return {origin.share * model_.GatherColumns(product), by_speed};
 }
 
 Eigen::MatrixXd HandleCoupling::TimesTransposed(int place, const StepColumns& columns) const {
   const Eigen::MatrixXd all = model_.ScatterColumns(columns.velocities);
   const ForceSet& forces = whole_.forces();
-  const Eigen::MatrixXd by_speed = pairs_->speeds.transpose() * columns.impulses / record_->time_step;
+  const bool has_pairs = !pairs_->is_empty();
+  const double h = record_->time_step;
   if (place == 0) {
-    Eigen::MatrixXd product = TimesHessian(all) + by_speed;
+    Eigen::MatrixXd product = TimesHessian(all);
+    if (has_pairs) product += pairs_->speeds.transpose() * columns.impulses / h;
     forces.AddPredictionProductTransposed(-record_->time_step, point(), held_, all, &product);
     return model_.GatherHandles(product);
   }
   const Origin& origin = origins_[place - 1];
-  Eigen::MatrixXd product = pairs_->weights.transpose() * all + pairs_->geometry.transpose() * columns.impulses;
-  product -= by_speed;
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(all.rows(), all.cols());
+  if (has_pairs) {
+    product += pairs_->weights.transpose() * all + pairs_->geometry.transpose() * columns.impulses;
+    product -= pairs_->speeds.transpose() * columns.impulses / h;
+  }
   forces.AddOriginProductTransposed(record_->time_step, point(), *origin.positions, all, &product);
   forces.AddVelocityProduct(-1.0, point(), held_, all, &product);
   return origin.share * model_.GatherHandles(product);
 }
 
 Eigen::MatrixXd HandleCoupling::PairForceTimes(int place, const Eigen::MatrixXd& columns) const {
-  if (place == 0) return Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
+  if (place == 0 || pairs_->is_empty()) return Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
   const double share = origins_[place - 1].share / record_->time_step;
   return -share * model_.GatherHandles(pairs_->weights * model_.ScatterHandles(columns));
 }
 
 Eigen::MatrixXd HandleCoupling::PairForceTimesTransposed(int place, const Eigen::MatrixXd& columns) const {
-  if (place == 0) return Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
+  if (place == 0 || pairs_->is_empty()) return Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
   const double share = origins_[place - 1].share / record_->time_step;
   return -share * model_.GatherHandles(pairs_->weights.transpose() * model_.ScatterHandles(columns));
 }

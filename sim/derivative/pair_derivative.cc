@@ -17,10 +17,10 @@ void Add(const Eigen::Matrix3d& block, Eigen::Index row, Eigen::Index column, Tr
 // R = r - Pi(a) with da = -d w_i dv_i and dPi/da = -S.
 PairDerivative DifferentiatePairs(const std::vector<PairContact>& contacts, const Eigen::VectorXd& start_positions,
                                   const Eigen::VectorXd& velocities) {
+  if (contacts.empty()) return {};
   const Eigen::Index size = start_positions.size(), num_rows = 3 * static_cast<Eigen::Index>(contacts.size());
   PairDerivative derivative{
       {size, num_rows}, {size, size}, {num_rows, size}, {num_rows, size}, Eigen::VectorXd(num_rows)};
-  if (num_rows == 0) return derivative;
   Triplets spread, weights, geometry, speeds;
   for (Eigen::Index row = 0; row < num_rows; row += 3) {
     const PairContact& contact = contacts[row / 3];

@@ -14,7 +14,7 @@
 
 namespace clothid {
 
-// Blocks over all nodes, handles and all, and over the c contacts.
+// Blocks over all nodes, handles and all, and over the c contacts; without contacts nothing, not even their sizes.
 struct PairDerivative {
   using Block = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 

@@ -75,8 +75,10 @@ Eigen::MatrixXd StepDerivative::TimesUnknowns(const StepColumns& columns) const 
 }
 
 StepColumns StepDerivative::TimesUnknownsTransposed(const Eigen::MatrixXd& columns) const {
-  return {MultiplySymmetric(hessian_, columns, jacobian_.team()),
-          -(pairs_.spread.transpose() * model_.ScatterColumns(columns))};
+  StepColumns product{MultiplySymmetric(hessian_, columns, jacobian_.team()),
+                      Eigen::MatrixXd(num_impulses(), columns.cols())};
+  if (!pairs_.is_empty()) product.impulses = -(pairs_.spread.transpose() * model_.ScatterColumns(columns));
+  return product;
 }
 
 Eigen::MatrixXd StepDerivative::TimesHessian(const Eigen::MatrixXd& columns) const {
@@ -164,12 +166,17 @@ Eigen::MatrixXd StepDerivative::TimesFramesTransposed(const StepColumns& columns
 }
 
 Eigen::MatrixXd StepDerivative::TimesHandleForces(const Eigen::MatrixXd& impulses, const Eigen::MatrixXd& start) const {
+  if (pairs_.is_empty()) {
+    const auto num_handles = static_cast<Eigen::Index>(model_.scene().handles.nodes.size());
+    return Eigen::MatrixXd::Zero(3 * num_handles, start.cols());
+  }
   const Eigen::MatrixXd change = pairs_.spread * impulses - pairs_.weights * model_.ScatterColumns(start);
   return model_.GatherHandles(change) / record_.time_step;
 }
 
 void StepDerivative::AddHandleForcesTransposed(const Eigen::MatrixXd& forces, Eigen::MatrixXd* impulses,
                                                Eigen::MatrixXd* start) const {
+  if (pairs_.is_empty()) return;
   const Eigen::MatrixXd all = model_.ScatterHandles(forces / record_.time_step);
   *impulses += pairs_.spread.transpose() * all;
   *start -= model_.GatherColumns(pairs_.weights.transpose() * all);
