@@ -98,9 +98,9 @@ def predict(
 ) -> Prediction:
     """Simulates `scene` with what a fit has learnt, as `simulate --result` does, in the same numbers.
 
-    result: of `identify`, or the path of a result.json. draws: rollouts; keep_draws: they are told, too. sources: what spreads them beside parameters.
-    of: what is told beside positions, "point:12", "area", "strain", "force" (of every gripper), "slip". frame_rate in
-    Hz; 0: a frame per step. progress(done, draws) is called after every rollout. Raises UsageError, FileError and
+    result: of `identify`, or the path of a result.json. draws: rollouts; keep_draws: they are told, too. sources: what
+    spreads them beside parameters. of: what is told beside positions, "point:12", "area", "strain", "force" (of every
+    gripper), "slip". frame_rate in Hz; 0: a frame per step. progress(done, draws) is called after every rollout. Raises UsageError, FileError and
     InputError, for a result without intervals too.
     """
     if isinstance(result, Result):
