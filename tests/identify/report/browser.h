@@ -37,9 +37,10 @@ class Browser {
   // Throws std::runtime_error where the browser does not answer, here as in all that follows.
   explicit Browser(const std::string& program) {
     Start(program, {"--headless=new", "--remote-debugging-pipe", "--no-sandbox", "--use-angle=swiftshader",
-                    "--enable-unsafe-swiftshader", "--disable-dev-shm-usage", "--no-first-run", "--hide-scrollbars",
-                    "--disable-background-networking", "--disable-component-update", "--force-device-scale-factor=1",
-                    "--window-size=1200,900", "--user-data-dir=" + profile_.path(), "about:blank"});
+                    "--enable-unsafe-swiftshader", "--disable-gpu-compositing", "--num-raster-threads=1",
+                    "--disable-dev-shm-usage", "--no-first-run", "--hide-scrollbars", "--disable-background-networking",
+                    "--disable-component-update", "--force-device-scale-factor=1", "--window-size=1200,900",
+                    "--user-data-dir=" + profile_.path(), "about:blank"});
   }
 
   // A new page of that size, about which nothing is known yet; the one before is closed.
