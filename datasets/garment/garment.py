@@ -35,8 +35,10 @@ def path(pose, times):
 
 
 def capsule(name, start, end, radius, rows, mu=0.3, distance=0.003):
-    return {"name": name, "type": "capsule", "from": start, "to": end, "radius": radius, "mu": mu,
-            "contact_distance": distance, "path": rows}
+    """`rows`: its path; None: it stands still."""
+    shape = {"name": name, "type": "capsule", "from": start, "to": end, "radius": radius, "mu": mu,
+             "contact_distance": distance}
+    return shape if rows is None else {**shape, "path": rows}
 
 
 def cut_cell(a, b, c, d, even):
