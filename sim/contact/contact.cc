@@ -70,6 +70,12 @@ void FindCandidates(const ClothModel& model, const Eigen::VectorXd& positions, d
   candidates->resize(num_candidates);
 }
 
+Eigen::Vector3d ObstacleGain(const std::vector<ObstacleMotion>& motions, int obstacle,
+                             const Eigen::Vector3d& position) {
+  if (motions.empty()) return Eigen::Vector3d::Zero();
+  return motions[obstacle].Near(position).velocity_change().At(position);
+}
+
 Eigen::Matrix3d ContactPositionJacobian(const Contact& contact, const AffineMotion* motion) {
   const ContactCandidate& candidate = contact.candidate;
   const Eigen::Vector3d& n = candidate.normal;

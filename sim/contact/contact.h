@@ -61,6 +61,9 @@ void FindCandidate(const ClothModel& model, int node, const Eigen::VectorXd& pos
 void FindCandidates(const ClothModel& model, const Eigen::VectorXd& positions, double gap_time,
                     const std::vector<ObstacleMotion>& motions, std::vector<ContactCandidate>* candidates);
 
+// What the velocity of `obstacle` near `position` changes by over a first stage, m/s (`Contact::obstacle_gain`).
+Eigen::Vector3d ObstacleGain(const std::vector<ObstacleMotion>& motions, int obstacle, const Eigen::Vector3d& position);
+
 // dPhi/dx_n of a contact through normal, gap and V: X = -[D + S d (gap_speed_slope n n^T + gap_speed N' - W)], W =
 // dV/dx of its obstacle; `motion` is that near the node, or null: it stands still.
 Eigen::Matrix3d ContactPositionJacobian(const Contact& contact, const AffineMotion* motion = nullptr);

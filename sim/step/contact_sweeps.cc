@@ -26,9 +26,9 @@ class NodeEquation {
  public:
   // `stiffness`: K_ii.
   NodeEquation(const StepProblem& problem, int candidate, const Eigen::Matrix3d& stiffness)
-      : weight_(problem.weight(candidate)),
+      : weight_(problem.contacts().weight(candidate)),
         friction_coefficient_(problem.friction_coefficient(candidate)),
-        candidate_(problem.candidates()[candidate]),
+        candidate_(problem.contacts().candidates()[candidate]),
         stiffness_(stiffness) {}
 
   // A velocity, the momentum balance there and what the contact law makes of both.
@@ -84,13 +84,13 @@ double ContactSweeps::Start(const StepProblem& problem, const BlockMatrix& hessi
   if (other_impulse != nullptr) momentum_.col(0) -= *other_impulse;
   candidates_.clear();
   double square = 0.0;
-  for (size_t i = 0; i < problem.candidates().size(); ++i) {
-    const int index = static_cast<int>(i), row = 3 * problem.free_block(index);
-    const ContactCandidate& candidate = problem.candidates()[i];
+  for (size_t i = 0; i < problem.contacts().candidates().size(); ++i) {
+    const int index = static_cast<int>(i), row = 3 * problem.contacts().free_block(index);
+    const ContactCandidate& candidate = problem.contacts().candidates()[i];
     const Eigen::Vector3d momentum = momentum_.col(0).segment<3>(row);
-    const ContactResponse response =
-        EvaluateContactLaw(ContactForce(problem.weight(index), candidate, velocities_.segment<3>(row), momentum),
-                           candidate.normal, problem.friction_coefficient(index));
+    const ContactResponse response = EvaluateContactLaw(
+        ContactForce(problem.contacts().weight(index), candidate, velocities_.segment<3>(row), momentum),
+        candidate.normal, problem.friction_coefficient(index));
     if (response.branch == ContactBranch::kTakeOff && point.responses[i].branch == ContactBranch::kTakeOff) continue;
     candidates_.push_back(index);
     square += (momentum - response.impulse).squaredNorm();
@@ -115,7 +115,7 @@ bool ContactSweeps::Correct(const StepProblem& problem, const BlockMatrix& hessi
   const double node_goal = goal / std::sqrt(static_cast<double>(candidates_.size()));
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     for (const int candidate : candidates_) {
-      const int block = problem.free_block(candidate), row = 3 * block;
+      const int block = problem.contacts().free_block(candidate), row = 3 * block;
       const NodeEquation equation(problem, candidate, hessian.block(hessian.pattern().Diagonal(block)));
       const NodeEquation::State start = equation.At(velocities_.segment<3>(row), momentum_.col(0).segment<3>(row));
       if (start.residual <= node_goal) continue;

@@ -66,7 +66,7 @@ class ObstacleCourse : public NewtonCourse {
   IterationPlan Next(const StepPoint& point, const StepPoint& before, double goal) override {
     IterationPlan plan;
     // Without candidates the responses are those of an earlier step.
-    plan.is_swept = problem_.may_touch() && iteration_ < kSweptIterations;
+    plan.is_swept = problem_.contacts().may_touch() && iteration_ < kSweptIterations;
     const bool changes =
         plan.is_swept && (iteration_ == 0 ? InContact(point) : BranchesDiffer(point.responses, before.responses));
     plan.forcing = Forcing(point, changes, goal);
@@ -110,7 +110,7 @@ class PairCourse : public NewtonCourse {
   explicit PairCourse(const StepProblem& problem) : problem_(problem) {}
 
   IterationPlan Next(const StepPoint& point, const StepPoint& before, double goal) override {
-    const double size = ResidualSize(problem_, point);
+    const double size = problem_.ResidualSize(point);
     idle_ = size < kProgressOfSize * best_ ? 0 : idle_ + 1;
     best_ = std::min(best_, size);
     if (idle_ == 0) length_ = std::min(1.0, 2.0 * length_);
@@ -120,8 +120,8 @@ class PairCourse : public NewtonCourse {
     num_settled_ += is_settled ? 1 : 0;
     IterationPlan plan;
     plan.explores = !is_settled;
-    plan.is_swept =
-        problem_.may_touch() && (is_settled ? num_settled_ <= kSweptSettled : iteration_ < kSweptPairIterations);
+    plan.is_swept = problem_.contacts().may_touch() &&
+                    (is_settled ? num_settled_ <= kSweptSettled : iteration_ < kSweptPairIterations);
     plan.first_length = length_;
     plan.forcing = std::min(std::max(kPairForcing, kPairGoalShare * goal / point.relative_residual), kPairLoosest);
     ++iteration_;
@@ -139,21 +139,12 @@ class PairCourse : public NewtonCourse {
 
 }  // namespace
 
-double ResidualSize(const StepProblem& problem, const StepPoint& point) {
-  if (!problem.may_touch_itself()) return point.residual.norm();
-  double square = problem.WeighedSquare(point.residual);
-  for (std::size_t c = 0; c < problem.pairs().size(); ++c) {
-    square += point.pairs.residuals.col(static_cast<Eigen::Index>(c)).squaredNorm() / problem.pairs()[c].weight;
-  }
-  return std::sqrt(square);
-}
-
 bool PairsAreSettled(const StepPoint& point) {
   return point.pairs.residuals.norm() <= kSettledShare * point.residual.norm();
 }
 
 std::unique_ptr<NewtonCourse> MakeCourse(const StepProblem& problem, const StepPoint& start) {
-  if (problem.may_touch_itself()) return std::make_unique<PairCourse>(problem);
+  if (problem.contacts().may_touch_itself()) return std::make_unique<PairCourse>(problem);
   return std::make_unique<ObstacleCourse>(problem, start);
 }
 

@@ -27,9 +27,6 @@ class NewtonCourse {
   virtual bool Continues(const StepPoint& point) = 0;
 };
 
-// |Phi|, or, where the cloth may touch itself, whose equations have other units,
-// (|Phi|^2/P + sum |R|^2/d)^1/2: what is to fall along an iteration.
-double ResidualSize(const StepProblem& problem, const StepPoint& point);
 // |R| is small beside |Phi|.
 bool PairsAreSettled(const StepPoint& point);
 

@@ -61,12 +61,6 @@ std::vector<ObstacleMotion> ObstacleMotions(const Scene& scene, const Parameters
   return motions;
 }
 
-Eigen::Vector3d ObstacleGain(const std::vector<ObstacleMotion>& motions, int obstacle,
-                             const Eigen::Vector3d& position) {
-  if (motions.empty()) return Eigen::Vector3d::Zero();
-  return motions[obstacle].Near(position).velocity_change().At(position);
-}
-
 ObstacleChange::ObstacleChange(const SceneObstacle& obstacle, const ObstacleMotion& motion, const Placement& placement,
                                PlacementPart part, const SolveTimes& times)
     : motion_(motion) {

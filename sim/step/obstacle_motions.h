@@ -26,9 +26,6 @@ namespace clothid {
 // One per obstacle; empty where none moves.
 std::vector<ObstacleMotion> ObstacleMotions(const Scene& scene, const Parameters& parameters, const SolveTimes& times);
 
-// What the velocity of `obstacle` near `position` changes by over a first stage, m/s (`Contact::obstacle_gain`).
-Eigen::Vector3d ObstacleGain(const std::vector<ObstacleMotion>& motions, int obstacle, const Eigen::Vector3d& position);
-
 // What a part of the placement of an obstacle that moves changes at places. Keeps references to `obstacle` and
 // `motion`, its motion over the solve.
 class ObstacleChange {

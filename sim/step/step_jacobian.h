@@ -106,8 +106,6 @@ class StepJacobian {
 
   // v <- (I + S) v, with the contacts of the point.
   void AddImpulse(Eigen::MatrixXd* vectors) const;
-  // J^T r of the pairs of the point [3 Nf x s].
-  Eigen::MatrixXd Spread(const Eigen::MatrixXd& impulses) const { return pairs_->Spread(impulses); }
 
   // Where the time went so far. Whoever assembles and evaluates for this object adds to it, too.
   PhaseSeconds& seconds() { return seconds_; }

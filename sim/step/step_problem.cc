@@ -7,13 +7,6 @@
 #include "sim/step/second_start.h"
 
 namespace clothid {
-namespace {
-
-double TangentialSpeed(const Eigen::Vector3d& velocity, const Eigen::Vector3d& normal) {
-  return (velocity - normal.dot(velocity) * normal).norm();
-}
-
-}  // namespace
 
 // d_j = P_jj of P = M + h c_d diag(a) + h^2 (k L + k_b Q + Q_s) + h eta L.
 double SystemDiagonal(const ClothModel& model, const Material& material, double time_step, int node) {
@@ -50,8 +43,7 @@ StepProblem::StepProblem(const ClothModel& model, const Parameters& parameters, 
       parameters_(parameters),
       work_(*workspace),
       time_step_(times.time_step),
-      end_time_(times.end_time),
-      gap_time_(times.gap_time()) {
+      end_time_(times.end_time) {
   const bool changed = work_.time_step != time_step_ || !(work_.material == parameters.material);
   if (changed) SetConstants();
   if (changed || model.nodes().drag() != nullptr) SetExternalImpulse();  // the wind changes with time
@@ -66,11 +58,7 @@ StepProblem::StepProblem(const ClothModel& model, const Parameters& parameters, 
   }
   work_.start_momentum = std::sqrt(square);
   HoldForces(start);
-  if (model.has_contact()) {
-    work_.motions = ObstacleMotions(model.scene(), parameters, times);
-    FindCandidates(model, start.positions, times.gap_time(), work_.motions, &work_.candidates);
-  }
-  if (model.scene().self_contact) FindPairs(start, times.gap_time());
+  if (model.has_contact() || model.scene().self_contact) FindContactsToBe(start, times);
 }
 
 StepProblem StepProblem::WithFriction(double share) const {
@@ -132,10 +120,26 @@ void StepProblem::HoldForces(const SolveStart& start) {
   forces.Hold(parameters_, end_time_, &work_.held);
 }
 
-int StepProblem::free_block(int candidate) const { return model_.free_index()[work_.candidates[candidate].node]; }
-double StepProblem::weight(int candidate) const { return work_.weights[free_block(candidate)]; }
+void StepProblem::FindContactsToBe(const SolveStart& start, const SolveTimes& times) {
+  Eigen::VectorXd handle_velocities;
+  if (model_.scene().self_contact) {
+    handle_velocities = start.positions;
+    PlaceHandles(&handle_velocities);
+    handle_velocities = (handle_velocities - start.positions) / time_step_;
+  }
+  work_.contacts.Find(model_,
+                      {work_.start_positions, start.velocities, handle_velocities, work_.weights, times.gap_time()},
+                      ObstacleMotions(model_.scene(), parameters_, times));
+}
+
 double StepProblem::friction_coefficient(int candidate) const {
-  return friction_coefficients()[work_.candidates[candidate].obstacle];
+  return friction_coefficients()[work_.contacts.candidates()[candidate].obstacle];
+}
+
+bool StepProblem::has_friction() const {
+  const std::vector<double>& mu = friction_coefficients();
+  return std::any_of(mu.begin(), mu.end(), [](double coefficient) { return coefficient > 0.0; }) ||
+         (work_.contacts.may_touch_itself() && self_friction() > 0.0);
 }
 
 void StepProblem::Evaluate(const Eigen::VectorXd& velocities, StepPoint* point) const {
@@ -145,13 +149,8 @@ void StepProblem::Evaluate(const Eigen::VectorXd& velocities, StepPoint* point) 
   if (model_.nodes().drag() != nullptr) AddDrag(point);
   AddForces(ForceGroup::kAir, point);
   AddForces(ForceGroup::kViscous, point);
-  AddPairImpulses(point);
-  if (may_touch()) {
-    ApplyContactLaw(point);
-  } else {
-    point->residual = point->momentum_gradient;
-  }
-  ApplyPairLaw(point);
+  work_.contacts.SubtractImpulses(*point, &point->momentum_gradient);
+  work_.contacts.ApplyLaw(friction(), point->velocities, point->momentum_gradient, point, &point->residual);
   point->relative_residual = std::hypot(point->residual.norm(), point->pairs.residuals.norm()) / point->scale;
 }
 
@@ -210,21 +209,6 @@ void StepProblem::AddForces(ForceGroup group, StepPoint* point) const {
   point->scale = std::max(point->scale, std::sqrt(squares.sum()));
 }
 
-void StepProblem::ApplyContactLaw(StepPoint* point) const {
-  point->residual = point->momentum_gradient;
-  point->forces.resize(work_.candidates.size());
-  point->responses.resize(work_.candidates.size());
-  for (size_t i = 0; i < work_.candidates.size(); ++i) {
-    const int index = static_cast<int>(i);
-    const int row = 3 * free_block(index);
-    const ContactCandidate& candidate = work_.candidates[i];
-    point->forces[i] = weight(index) * (point->velocities.segment<3>(row) - candidate.target) -
-                       point->momentum_gradient.segment<3>(row);
-    point->responses[i] = EvaluateContactLaw(point->forces[i], candidate.normal, friction_coefficient(index));
-    point->residual.segment<3>(row) -= point->responses[i].impulse;
-  }
-}
-
 void StepProblem::AssembleHessian(HessianKind kind, const StepPoint& point, BlockMatrix* hessian) const {
   AssembleStepHessian(model_, kind, ForcesAt(point), work_.held, hessian);
 }
@@ -236,37 +220,13 @@ double StepProblem::RoundingFloor(const StepPoint& point) const {
          point.positions.lpNorm<Eigen::Infinity>() / (time_step_ * point.scale);
 }
 
-double StepProblem::WeighedSquare(const Eigen::VectorXd& vector) const {
-  double sum = 0.0;
-  for (int i = 0; i < model_.num_free(); ++i) sum += vector.segment<3>(3 * i).squaredNorm() / work_.weights[i];
-  return sum;
-}
-
-double StepProblem::HeldPotential(const StepPoint& lagged, const Eigen::VectorXd& velocities) const {
-  double potential = 0.0;
-  for (size_t i = 0; i < candidates().size(); ++i) {
-    const int index = static_cast<int>(i);
-    const double normal_impulse = std::max(0.0, -lagged.responses[i].normal_force);
-    if (normal_impulse == 0.0) continue;
-    const Eigen::Vector3d velocity = velocities.segment<3>(3 * free_block(index));
-    potential += friction_coefficient(index) * normal_impulse * TangentialSpeed(velocity, candidates()[i].normal);
-  }
-  for (size_t c = 0; c < pairs().size(); ++c) {
-    const double normal_impulse = std::max(0.0, -lagged.pairs.responses[c].normal_force);
-    if (normal_impulse == 0.0) continue;
-    const Eigen::Vector3d &n = pairs()[c].geometry.normal, velocity = pairs()[c].RelativeVelocity(velocities);
-    const double friction = pairs()[c].FrictionOf(self_friction());
-    potential += normal_impulse * (friction * TangentialSpeed(velocity, n) - n.dot(velocity));
-  }
-  return potential;
-}
-
-void StepProblem::ClipToFeasible(Eigen::VectorXd* velocities) const {
-  for (size_t i = 0; i < work_.candidates.size(); ++i) {
-    const Eigen::Vector3d& n = work_.candidates[i].normal;
-    auto v = velocities->segment<3>(3 * free_block(static_cast<int>(i)));
-    v += std::max(0.0, work_.candidates[i].least_speed - n.dot(v)) * n;
-  }
+double StepProblem::ResidualSize(const StepPoint& point) const {
+  if (!work_.contacts.may_touch_itself()) return point.residual.norm();
+  double square = 0.0;
+  for (int i = 0; i < model_.num_free(); ++i)
+    square += point.residual.segment<3>(3 * i).squaredNorm() / work_.weights[i];
+  work_.contacts.AddWeighedSquare(point, &square);
+  return std::sqrt(square);
 }
 
 ContactSet StepProblem::ContactsAt(const StepPoint& point) const {
@@ -276,21 +236,7 @@ ContactSet StepProblem::ContactsAt(const StepPoint& point) const {
 }
 
 void StepProblem::FindContacts(const StepPoint& point, ContactSet* contacts) const {
-  contacts->nodes.clear();
-  for (size_t i = 0; i < work_.candidates.size(); ++i) {
-    if (point.responses[i].branch == ContactBranch::kTakeOff) continue;
-    const ContactCandidate& candidate = work_.candidates[i];
-    const int index = static_cast<int>(i);
-    contacts->nodes.push_back(
-        {candidate, point.responses[i], point.forces[i], weight(index),
-         ObstacleGain(work_.motions, candidate.obstacle, work_.start_positions.segment<3>(3 * candidate.node)),
-         friction_coefficient(index)});
-  }
-  contacts->pairs.clear();
-  for (size_t c = 0; c < work_.pairs.size(); ++c) {
-    contacts->pairs.push_back(
-        {work_.pairs[c], point.pairs.responses[c], point.pairs.forces[c], work_.pairs[c].FrictionOf(self_friction())});
-  }
+  work_.contacts.ContactsAt(friction(), point, contacts);
 }
 
 Eigen::VectorXd StepProblem::AllVelocities(const StepPoint& point) const {

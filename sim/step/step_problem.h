@@ -21,34 +21,22 @@
 #include <vector>
 
 #include "sim/cloth/cloth_model.h"
-#include "sim/contact/contact_set.h"
-#include "sim/contact/self_contact_search.h"
+#include "sim/contact/step_contacts.h"
 #include "sim/scene/parameters.h"
 #include "sim/step/obstacle_motions.h"
 #include "sim/step/stage.h"
 
 namespace clothid {
 
-// The equations of the cloth's pairs with itself, in their order.
-struct PairPoint {
-  Eigen::Matrix3Xd impulses;               // r
-  Eigen::Matrix3Xd residuals;              // R
-  std::vector<Eigen::Vector3d> forces;     // F
-  std::vector<ContactResponse> responses;  // at F
-};
-
 // The equations evaluated at one velocity.
-struct StepPoint {
-  Eigen::VectorXd velocities;              // v
-  Eigen::VectorXd positions;               // x_n + h v [3N], handles at their path
-  Eigen::VectorXd momentum_gradient;       // g
-  Eigen::VectorXd residual;                // Phi
-  std::vector<Eigen::Vector3d> forces;     // F, per candidate
-  std::vector<ContactResponse> responses;  // per candidate
-  PairPoint pairs;                         // whose J^T r are taken off g; r is given before the evaluation
-  double potential = 0.0;          // whose gradient is g, J: kinetic distance to v_n, drag, external energy, E and W
-  double scale = 0.0;              // largest of h |f_ext|, |M v_n|, h |dE/dx| and h |dW/dx|, N s
-  double relative_residual = 0.0;  // |(Phi, R)| / scale
+struct StepPoint : ContactPoint {
+  Eigen::VectorXd velocities;         // v
+  Eigen::VectorXd positions;          // x_n + h v [3N], handles at their path
+  Eigen::VectorXd momentum_gradient;  // g
+  Eigen::VectorXd residual;           // Phi
+  double potential = 0.0;             // whose gradient is g, J: kinetic distance to v_n, drag, external energy, E and W
+  double scale = 0.0;                 // largest of h |f_ext|, |M v_n|, h |dE/dx| and h |dW/dx|, N s
+  double relative_residual = 0.0;     // |(Phi, R)| / scale
 };
 
 // Memory for the problems of one model, one at a time, and nobody's but theirs: from the second step on nothing is
@@ -70,14 +58,8 @@ struct StepWorkspace {
   Eigen::VectorXd handle_positions;  // at the end, in the order of the scene's handles
   Eigen::VectorXd all_velocities;    // [3N], those of handles set; empty where no force needs them
   HeldForces held;
-  std::vector<ObstacleMotion> motions;        // empty where no obstacle moves
-  std::vector<ContactCandidate> candidates;   // empty without obstacles
-  std::unique_ptr<SelfContactSearch> search;  // of the model's mesh; null without self-contact
-  std::vector<int> follow_order;              // of its nodes (sim/contact/pair_thinning.h)
-  std::vector<PairFeatures> near_pairs;       // that it has found
-  std::vector<PairCandidate> left_out;
-  std::vector<PairCandidate> pairs;  // those that the solve covers
-  Eigen::VectorXd force;             // [3N] scratch
+  StepContacts contacts;
+  Eigen::VectorXd force;  // [3N] scratch
 };
 
 // K at `point` overwrites `hessian`.
@@ -100,17 +82,13 @@ class StepProblem {
   double time_step() const { return time_step_; }
   double end_time() const { return end_time_; }
   const Eigen::VectorXd& start_velocities() const { return work_.start_velocities; }  // v_n
-  const std::vector<ContactCandidate>& candidates() const { return work_.candidates; }
-  bool may_touch() const { return !work_.candidates.empty(); }
-  const std::vector<PairCandidate>& pairs() const { return work_.pairs; }
-  bool may_touch_itself() const { return !work_.pairs.empty(); }
-  double self_friction() const { return is_eased_ ? eased_self_friction_ : parameters_.self_friction; }
-  double weight(int candidate) const;                         // d of its node, kg
-  double friction_coefficient(int candidate) const;           // mu of its obstacle
-  const std::vector<double>& friction_coefficients() const {  // mu of every obstacle
+  const StepContacts& contacts() const { return work_.contacts; }                     // that there may be
+  double friction_coefficient(int candidate) const;                                   // mu of its obstacle
+  const std::vector<double>& friction_coefficients() const {                          // mu of every obstacle
     return eased_friction_.empty() ? parameters_.friction_coefficients : eased_friction_;
   }
-  int free_block(int candidate) const;  // its node among the free nodes
+  double self_friction() const { return is_eased_ ? eased_self_friction_ : parameters_.self_friction; }
+  bool has_friction() const;
 
   // At `velocities`, and the impulses that `point` has for every pair.
   void Evaluate(const Eigen::VectorXd& velocities, StepPoint* point) const;
@@ -121,15 +99,14 @@ class StepProblem {
   // forces have stiffened by.
   double RoundingFloor(const StepPoint& point) const;
 
-  // sum |v_i|^2/d_i of a vector over the free nodes.
-  double WeighedSquare(const Eigen::VectorXd& vector) const;
+  // What is to fall along an iteration: |Phi|, or, where the cloth may touch itself, whose equations have other units,
+  // (sum |Phi_i|^2/d_i + sum |R_c|^2/d_c)^1/2.
+  double ResidualSize(const StepPoint& point) const;
 
-  // What is added to the potential where normal impulses r_N are held as at `lagged`: friction mu r_N |u_T| at
-  // obstacles and pairs, less the work r_N n . u of pairs. A step minimises the sum of both.
-  double HeldPotential(const StepPoint& lagged, const Eigen::VectorXd& velocities) const;
-
-  // v_N <- max(v_N, V_N - gap_speed) at every candidate.
-  void ClipToFeasible(Eigen::VectorXd* velocities) const;
+  // What contacts add to the potential where normal impulses are held as at `lagged`. A step minimises the sum of both.
+  double HeldPotential(const StepPoint& lagged, const Eigen::VectorXd& velocities) const {
+    return work_.contacts.HeldPotential(friction(), lagged, velocities);
+  }
 
   // The sticking and slipping nodes at `point`, and all of its pairs, those that leave as well.
   ContactSet ContactsAt(const StepPoint& point) const;
@@ -137,7 +114,7 @@ class StepProblem {
 
   // Adds the pairs that thinning has left out and that `point` brings too near, without friction. True:
   // there are some, and the step has to be solved again, with rows that may depend on each other.
-  bool TakesBackPairs(const StepPoint& point) { return !work_.left_out.empty() && TakeBackPairs(point); }
+  bool TakesBackPairs(const StepPoint& point) { return work_.contacts.TakeBack(point.velocities); }
 
   // The velocities [3N] of the step, with those of the handles.
   Eigen::VectorXd AllVelocities(const StepPoint& point) const;
@@ -149,8 +126,7 @@ class StepProblem {
   void SetHandles(const HandlePath* offsets);
   void HoldForces(const SolveStart& start);
 
-  void FindPairs(const SolveStart& start, double gap_time);
-  bool TakeBackPairs(const StepPoint& point);
+  void FindContactsToBe(const SolveStart& start, const SolveTimes& times);
 
   // v, x, and the terms of g and its potential that are neither drag nor an internal force.
   void MoveTo(const Eigen::VectorXd& velocities, StepPoint* point) const;
@@ -159,17 +135,12 @@ class StepProblem {
   // Takes the forces of a group over the step off the gradient and adds their potential and the size of their impulse.
   void AddForces(ForceGroup group, StepPoint* point) const;
   ForcePoint ForcesAt(const StepPoint& point) const;  // sets the velocities in the workspace where forces need them
-  // Phi and the responses, from v and g.
-  void ApplyContactLaw(StepPoint* point) const;
-  // Takes J^T r off g.
-  void AddPairImpulses(StepPoint* point) const;
-  void ApplyPairLaw(StepPoint* point) const;
+  ContactFriction friction() const { return {friction_coefficients(), self_friction()}; }
 
   const ClothModel& model_;
   const Parameters& parameters_;
   StepWorkspace& work_;
   double time_step_, end_time_;
-  double gap_time_;                     // T of stage.h
   std::vector<double> eased_friction_;  // of WithFriction; empty: that of the parameters
   double eased_self_friction_ = 0.0;    // likewise, where
   bool is_eased_ = false;

@@ -51,14 +51,14 @@ void StepSolver::StartAtBetter(const Task& task, const Eigen::VectorXd& velociti
 
 void StepSolver::StartAt(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point) {
   Eigen::VectorXd start = velocities;
-  if (problem.may_touch()) problem.ClipToFeasible(&start);
+  problem.contacts().ClipToFeasible(&start);
   Evaluate(problem, start, point);
 }
 
 bool StepSolver::Solve(const StepProblem& problem, double tolerance, const Eigen::VectorXd* guess, StepPoint* point,
                        RolloutCounts* counts, const std::vector<Eigen::VectorXd>& candidates) {
   const Task task{problem, tolerance, counts};
-  SetPairs(problem, point);
+  ClearImpulses(problem, point);
   if (guess != nullptr) {
     StartAt(problem, *guess, point);
   } else {
@@ -73,37 +73,27 @@ bool StepSolver::Solve(const StepProblem& problem, double tolerance, const Eigen
 
 bool StepSolver::SolveAgain(const StepProblem& problem, double tolerance, StepPoint* point, RolloutCounts* counts) {
   const Task task{problem, tolerance, counts};
-  SetPairs(problem, point);
+  ClearImpulses(problem, point);
   StartAt(problem, Eigen::VectorXd(point->velocities), point);
   const bool solved = SolveFrom(task, point);
   if (solved && ends_with_factors_) EndWithFactor(task, *point);
   return solved;
 }
 
-void StepSolver::SetPairs(const StepProblem& problem, StepPoint* point) {
-  had_pairs_ = problem.may_touch_itself();
-  point->pairs.impulses.setZero(3, static_cast<Eigen::Index>(problem.pairs().size()));
-  trial_.pairs.impulses = point->pairs.impulses;
+void StepSolver::ClearImpulses(const StepProblem& problem, StepPoint* point) {
+  had_pairs_ = problem.contacts().may_touch_itself();
+  problem.contacts().Recall({}, problem.time_step(), point);
+  problem.contacts().Recall({}, problem.time_step(), &trial_);
 }
 
-void StepSolver::WarmStart(const StepProblem& problem, StepPoint* point) {
-  if (!problem.may_touch_itself()) return;
-  point->pairs.impulses.setZero();
-  for (std::size_t c = 0; c < problem.pairs().size(); ++c) {
-    const auto found = pair_forces_.find(problem.pairs()[c].features);
-    if (found == pair_forces_.end()) continue;
-    point->pairs.impulses.col(static_cast<Eigen::Index>(c)) = problem.time_step() * found->second;
-  }
+void StepSolver::RecallImpulses(const StepProblem& problem, StepPoint* point) {
+  if (!problem.contacts().may_touch_itself()) return;
+  problem.contacts().Recall(memory_, problem.time_step(), point);
   Evaluate(problem, Eigen::VectorXd(point->velocities), point);
 }
 
 void StepSolver::KeepImpulses(const StepProblem& problem, const StepPoint& point) {
-  pair_forces_.clear();
-  for (std::size_t c = 0; c < problem.pairs().size(); ++c) {
-    if (point.pairs.responses[c].branch == ContactBranch::kTakeOff) continue;
-    pair_forces_[problem.pairs()[c].features] =
-        point.pairs.impulses.col(static_cast<Eigen::Index>(c)) / problem.time_step();
-  }
+  problem.contacts().Remember(point, problem.time_step(), &memory_);
 }
 
 bool StepSolver::SolveFrom(const Task& task, StepPoint* point) {
@@ -162,7 +152,7 @@ void StepSolver::Evaluate(const StepProblem& problem, const Eigen::VectorXd& vel
 void StepSolver::Reset(bool end_with_factors) {
   jacobian_.Reset();
   acceleration_.resize(0);
-  pair_forces_.clear();
+  memory_.clear();
   ends_with_factors_ = end_with_factors;
   iterations_per_digit_ = 0.0;
   new_factor_is_due_ = false;
@@ -226,8 +216,9 @@ bool StepSolver::DirectionByNewFactor(const Task& task, const ContactSet& contac
 
 void StepSolver::Try(const StepProblem& problem, const StepPoint& point, const StepColumns& direction, double length) {
   Eigen::VectorXd velocities = point.velocities + length * direction.velocities.col(0);
-  trial_.pairs.impulses = point.pairs.impulses + length * direction.impulses.reshaped(3, problem.pairs().size());
-  if (!problem.may_touch_itself()) problem.ClipToFeasible(&velocities);
+  trial_.pairs.impulses =
+      point.pairs.impulses + length * direction.impulses.reshaped(3, problem.contacts().num_impulses());
+  if (!problem.contacts().may_touch_itself()) problem.contacts().ClipToFeasible(&velocities);
   Evaluate(problem, velocities, &trial_);
 }
 
@@ -235,16 +226,16 @@ void StepSolver::Try(const StepProblem& problem, const StepPoint& point, const S
 // settled or the residual of pairs about where it was.
 bool StepSolver::LineSearch(const StepProblem& problem, const StepColumns& direction, const IterationPlan& plan,
                             StepPoint* point) {
-  const bool has_pairs = problem.may_touch_itself();
-  const double size = ResidualSize(problem, *point);
+  const bool has_pairs = problem.contacts().may_touch_itself();
+  const double size = problem.ResidualSize(*point);
   const double held = problem.HeldPotential(*point, point->velocities);
   Eigen::VectorXd impulses;
-  if (has_pairs) impulses = jacobian_.Spread(point->pairs.impulses.reshaped());
+  if (has_pairs) impulses = problem.contacts().Spread(point->pairs.impulses.reshaped());
   double length = plan.first_length;
   for (int halving = 0; halving < kMaxHalvings; ++halving, length *= 0.5) {
     Try(problem, *point, direction, length);
     if (!std::isfinite(trial_.relative_residual)) continue;
-    const double trial_size = ResidualSize(problem, trial_);
+    const double trial_size = problem.ResidualSize(trial_);
     bool is_accepted = trial_size <= (plan.explores ? kExplosion : 1.0 - kSufficientDecrease * length) * size;
     if (!is_accepted && !plan.explores) {
       const double held_change = problem.HeldPotential(*point, trial_.velocities) - held;
@@ -266,8 +257,9 @@ bool StepSolver::LineSearch(const StepProblem& problem, const StepColumns& direc
 bool StepSolver::Sweep(const StepProblem& problem, const StepPoint& point, double forcing, StepColumns* direction) {
   const ScopedTimer timer(&jacobian_.seconds().contact);
   Eigen::VectorXd corrected = direction->velocities, impulse;
-  if (problem.may_touch_itself()) impulse = jacobian_.Spread(direction->impulses);
-  const Eigen::VectorXd* const other = problem.may_touch_itself() ? &impulse : nullptr;
+  const bool has_pairs = problem.contacts().may_touch_itself();
+  if (has_pairs) impulse = problem.contacts().Spread(direction->impulses.col(0));
+  const Eigen::VectorXd* const other = has_pairs ? &impulse : nullptr;
   if (!sweeps_.Correct(problem, hessian_, point, forcing, &corrected, other)) return false;
   direction->velocities = corrected;
   return true;
@@ -280,7 +272,7 @@ bool StepSolver::Search(const StepProblem& problem, const StepColumns& direction
     if (Sweep(problem, *point, plan.forcing, &corrected) && LineSearch(problem, corrected, plan, point)) return true;
   }
   if (LineSearch(problem, direction, plan, point)) return true;
-  if (!problem.may_touch_itself() || plan.explores) return false;
+  if (!problem.contacts().may_touch_itself() || plan.explores) return false;
   IterationPlan exploring = plan;
   exploring.explores = true;
   return LineSearch(problem, direction, exploring, point);
@@ -305,7 +297,7 @@ bool StepSolver::Iterate(const Task& task, const IterationPlan& plan, StepPoint*
 }
 
 bool StepSolver::Newton(const Task& task, StepPoint* point) {
-  WarmStart(task.problem, point);
+  RecallImpulses(task.problem, point);
   StepPoint best = *point;
   const std::unique_ptr<NewtonCourse> course = MakeCourse(task.problem, *point);
   const int max_iterations = model_.scene().solver.max_newton_iterations;
@@ -313,7 +305,7 @@ bool StepSolver::Newton(const Task& task, StepPoint* point) {
     ++task.counts->newton_iterations;
     // After a line search the trial is the point before it.
     // The linear systems of pairs, whose rows have other units, are not eased where rounding eases the step.
-    const double goal = task.problem.may_touch_itself() ? task.tolerance : task.ToleranceAt(*point);
+    const double goal = task.problem.contacts().may_touch_itself() ? task.tolerance : task.ToleranceAt(*point);
     const IterationPlan plan = course->Next(*point, trial_, goal);
     if (!Iterate(task, plan, point)) break;
     if (point->relative_residual < best.relative_residual) best = *point;
@@ -330,7 +322,7 @@ bool StepSolver::SolveWithFriction(const Task& task, double share, const StepPoi
   const StepProblem eased = task.problem.WithFriction(share);
   const Task eased_task{eased, task.tolerance, task.counts};
   if (share == 0.0) {
-    SetPairs(eased, point);
+    ClearImpulses(eased, point);
     Start(eased_task, point);
   } else {
     point->pairs.impulses = start.pairs.impulses;
@@ -340,9 +332,7 @@ bool StepSolver::SolveWithFriction(const Task& task, double share, const StepPoi
 }
 
 bool StepSolver::ContinueInFriction(const Task& task, StepPoint* point) {
-  const bool has_friction = std::any_of(task.mu().begin(), task.mu().end(), [](double mu) { return mu > 0.0; }) ||
-                            (task.problem.may_touch_itself() && task.problem.self_friction() > 0.0);
-  if (!has_friction) return false;
+  if (!task.problem.has_friction()) return false;
   ++task.counts->fallbacks;
   StepPoint reached, next;
   if (!SolveWithFriction(task, 0.0, reached, &next)) return false;

@@ -5,7 +5,6 @@
 #define CLOTHID_SIM_STEP_STEP_SOLVER_H_
 
 #include <Eigen/Core>
-#include <map>
 #include <memory>
 #include <vector>
 
@@ -61,7 +60,6 @@ class StepSolver {
 
     double ToleranceAt(const StepPoint& point) const { return Tolerance(problem, tolerance, point); }
     bool IsSolvedAt(const StepPoint& point) const { return point.relative_residual <= ToleranceAt(point); }
-    const std::vector<double>& mu() const { return problem.friction_coefficients(); }
   };
   void Evaluate(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point);
   void Assemble(const StepProblem& problem, HessianKind kind, const StepPoint& point);
@@ -69,9 +67,10 @@ class StepSolver {
   // Starts at `velocities` where the residual is smaller there, unless the step is solved already.
   void StartAtBetter(const Task& task, const Eigen::VectorXd& velocities, StepPoint* point);
   void StartAt(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point);
-  // At the impulses of no pair; at those that pairs in contact had in the step before; and keeps those of this one.
-  void SetPairs(const StepProblem& problem, StepPoint* point);
-  void WarmStart(const StepProblem& problem, StepPoint* point);
+  // `point` and `trial_` without impulses of pairs; with those that pairs in contact had in the step before; and keeps
+  // those of this one.
+  void ClearImpulses(const StepProblem& problem, StepPoint* point);
+  void RecallImpulses(const StepProblem& problem, StepPoint* point);
   void KeepImpulses(const StepProblem& problem, const StepPoint& point);
   // From where `point` is.
   bool SolveFrom(const Task& task, StepPoint* point);
@@ -108,11 +107,11 @@ class StepSolver {
   const ClothModel& model_;
   BlockMatrix hessian_;
   StepJacobian jacobian_;
-  double refactor_iterations_;                           // a linear solve that takes more costs as much as a new factor
-  StepPoint trial_;                                      // kept for its memory
-  ContactSweeps sweeps_;                                 // likewise
-  Eigen::VectorXd acceleration_;                         // of the last step, over the free nodes, m/s^2; empty: none
-  std::map<PairFeatures, Eigen::Vector3d> pair_forces_;  // of pairs in contact in the last step, r/h, N
+  double refactor_iterations_;    // a linear solve that takes more costs as much as a new factor
+  StepPoint trial_;               // kept for its memory
+  ContactSweeps sweeps_;          // likewise
+  Eigen::VectorXd acceleration_;  // of the last step, over the free nodes, m/s^2; empty: none
+  PairMemory memory_;             // of the last step
   bool ends_with_factors_ = false;
   bool had_pairs_ = false;             // the last problem
   double iterations_per_digit_ = 0.0;  // of solves with the factor at hand, as far as is known

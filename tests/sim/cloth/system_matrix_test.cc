@@ -29,10 +29,11 @@ TEST(SystemMatrixTest, HasTheTermsOfTheStep) {
   const Parameters parameters = scene.nominal_parameters();
   const StepProblem problem(model, parameters, {scene.initial_positions, scene.initial_velocities}, {h, h},
                             &simulator.step_workspace());
-  ASSERT_EQ(static_cast<int>(problem.candidates().size()), model.num_nodes());
+  ASSERT_EQ(static_cast<int>(problem.contacts().candidates().size()), model.num_nodes());
   for (int i = 0; i < model.num_nodes(); ++i) {
-    const double weight = problem.weight(i);
-    EXPECT_NEAR(matrix.coeff(problem.free_block(i), problem.free_block(i)), weight, 1e-14 * weight);
+    const double weight = problem.contacts().weight(i);
+    EXPECT_NEAR(matrix.coeff(problem.contacts().free_block(i), problem.contacts().free_block(i)), weight,
+                1e-14 * weight);
   }
   const Eigen::VectorXd row_sums = matrix * Eigen::VectorXd::Ones(model.num_free());
   const double areal_mass = scene.material.density + h * scene.material.drag;

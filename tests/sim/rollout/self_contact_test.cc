@@ -101,7 +101,7 @@ TEST(SelfContactTest, ASolveWithPairsKeepsTheContractOfOneWithout) {
   StepSolver& solver = simulator.step_solver();
   const StepProblem problem(simulator.model(), rollout.parameters, {before.positions, before.velocities},
                             record.times(), &simulator.step_workspace());
-  ASSERT_TRUE(problem.may_touch_itself());
+  ASSERT_TRUE(problem.contacts().may_touch_itself());
   const Eigen::VectorXd guess = simulator.model().Gather(record.velocities);
   const auto residual = [&](const Eigen::VectorXd* from, bool end_with_factors) {
     StepPoint point;

@@ -53,13 +53,14 @@ class ContactSweepsTest : public ::testing::Test {
   double ModelResidual(const Eigen::VectorXd& direction) const {
     const Eigen::VectorXd momentum = point_.momentum_gradient + MultiplySymmetric(hessian_, direction).col(0);
     double square = 0.0;
-    for (size_t i = 0; i < problem_->candidates().size(); ++i) {
+    for (size_t i = 0; i < problem_->contacts().candidates().size(); ++i) {
       if (point_.responses[i].branch == ContactBranch::kTakeOff) continue;
-      const ContactCandidate& candidate = problem_->candidates()[i];
-      const int index = static_cast<int>(i), row = 3 * problem_->free_block(index);
+      const ContactCandidate& candidate = problem_->contacts().candidates()[i];
+      const int index = static_cast<int>(i), row = 3 * problem_->contacts().free_block(index);
       const Eigen::Vector3d g = momentum.segment<3>(row);
       const Eigen::Vector3d v = (point_.velocities + direction).segment<3>(row);
-      const Eigen::Vector3d force = problem_->weight(index) * (v + candidate.gap_speed * candidate.normal) - g;
+      const Eigen::Vector3d force =
+          problem_->contacts().weight(index) * (v + candidate.gap_speed * candidate.normal) - g;
       const double mu = problem_->friction_coefficient(index);
       square += (g - EvaluateContactLaw(force, candidate.normal, mu).impulse).squaredNorm();
     }

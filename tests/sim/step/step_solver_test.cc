@@ -24,9 +24,9 @@ void ExpectContactConditions(const StepProblem& problem, const StepPoint& point,
   for (const ContactResponse& response : point.responses)
     impulse_scale = std::max(impulse_scale, response.impulse.norm());
   impulse_scale = std::max(impulse_scale, point.scale);
-  for (size_t i = 0; i < problem.candidates().size(); ++i) {
-    const ContactCandidate& candidate = problem.candidates()[i];
-    const int index = static_cast<int>(i), row = 3 * problem.free_block(index);
+  for (size_t i = 0; i < problem.contacts().candidates().size(); ++i) {
+    const ContactCandidate& candidate = problem.contacts().candidates()[i];
+    const int index = static_cast<int>(i), row = 3 * problem.contacts().free_block(index);
     const Eigen::Vector3d& n = candidate.normal;
     const Eigen::Vector3d r = point.momentum_gradient.segment<3>(row), u = point.velocities.segment<3>(row);
     const double r_normal = n.dot(r), approach = n.dot(u) + candidate.gap_speed;

@@ -124,7 +124,7 @@ inline void AddContacts(const StepRecord& record, const SolveStart& start, const
   problem.Evaluate(model.Gather(record.velocities), &point);
   for (std::size_t i = 0; i < point.responses.size(); ++i) {
     if (point.responses[i].branch == ContactBranch::kTakeOff) continue;
-    const ContactCandidate& candidate = problem.candidates()[i];
+    const ContactCandidate& candidate = problem.contacts().candidates()[i];
     const double mass = model.mass(parameters.material, candidate.node);
     const Eigen::Vector3d v = record.velocities.segment<3>(3 * candidate.node);
     const Eigen::Vector3d impulse =

@@ -20,40 +20,10 @@ double Rounding(const Eigen::VectorXd& positions) {
   return kRoundings * std::numeric_limits<double>::epsilon() * positions.lpNorm<Eigen::Infinity>();
 }
 
-// Where the pair of `features` is in `pairs`, or their end.
-std::vector<PairCandidate>::iterator FindPair(const PairFeatures& features, std::vector<PairCandidate>* pairs) {
-  return std::find_if(pairs->begin(), pairs->end(),
-                      [&](const PairCandidate& pair) { return pair.features == features; });
-}
-
-// Gives the step of `work` the pairs that were recorded beside those that thinning accepts, and `point` their impulses
-// r = d (u + gap_speed n) - F. False: one of them is none that the step could have.
-bool TakePairs(const std::vector<PairContact>& recorded, const Eigen::VectorXd& velocities, StepWorkspace* work,
-               StepPoint* point) {
-  bool are_known = true;
-  for (const PairContact& contact : recorded) {
-    const PairCandidate& pair = contact.candidate;
-    if (FindPair(pair.features, &work->pairs) != work->pairs.end()) {
-      are_known = are_known && pair.has_friction;
-      continue;
-    }
-    are_known = are_known && !pair.has_friction && FindPair(pair.features, &work->left_out) != work->left_out.end();
-    work->pairs.push_back(pair);
-  }
-  std::sort(work->pairs.begin(), work->pairs.end(),
-            [](const PairCandidate& a, const PairCandidate& b) { return a.features < b.features; });
-  point->pairs.impulses.setZero(3, static_cast<Eigen::Index>(work->pairs.size()));
-  for (const PairContact& contact : recorded) {
-    const PairCandidate& pair = *FindPair(contact.candidate.features, &work->pairs);
-    point->pairs.impulses.col(&pair - work->pairs.data()) =
-        pair.weight * (pair.RelativeVelocity(velocities) + pair.gap_speed * pair.geometry.normal) - contact.force;
-  }
-  return are_known;
-}
-
 // Whether a pair comes nearer, by its frozen normal, than the law lets it.
 bool IsPairTooDeep(const StepProblem& problem, const StepPoint& point, double tolerance) {
-  return std::any_of(problem.pairs().begin(), problem.pairs().end(), [&](const PairCandidate& pair) {
+  const std::vector<PairCandidate>& pairs = problem.contacts().pairs();
+  return std::any_of(pairs.begin(), pairs.end(), [&](const PairCandidate& pair) {
     const double least = -pair.gap_speed - tolerance * point.scale / pair.weight;
     const double rounding = Rounding(point.positions) / problem.time_step();
     return !(pair.geometry.normal.dot(pair.RelativeVelocity(point.velocities)) >= least - rounding);
@@ -63,15 +33,16 @@ bool IsPairTooDeep(const StepProblem& problem, const StepPoint& point, double to
 // Whether a node of the contact set ends deeper than the law lets it.
 bool IsTooDeep(const StepProblem& problem, const StepPoint& point, const StepRecord& record, double tolerance,
                const Scene& scene) {
-  for (std::size_t i = 0; i < problem.candidates().size(); ++i) {
-    const ContactCandidate& candidate = problem.candidates()[i];
+  const StepContacts& contacts = problem.contacts();
+  for (std::size_t i = 0; i < contacts.candidates().size(); ++i) {
+    const int index = static_cast<int>(i);
+    const ContactCandidate& candidate = contacts.candidates()[i];
     const SceneObstacle& obstacle = scene.obstacles[candidate.obstacle];
-    const double speed_error = tolerance * point.scale / problem.weight(static_cast<int>(i));
+    const double speed_error = tolerance * point.scale / contacts.weight(index);
     const double least = candidate.gap - record.time_step * (candidate.gap_speed + speed_error);
     // Where the obstacle moves, from the plane that the step has in its place.
-    const double moved = record.time_step *
-                         candidate.normal.dot(point.velocities.segment<3>(3 * problem.free_block(static_cast<int>(i))) -
-                                              candidate.target);
+    const Eigen::Vector3d velocity = point.velocities.segment<3>(3 * contacts.free_block(index));
+    const double moved = record.time_step * candidate.normal.dot(velocity - candidate.target);
     const double gap = obstacle.moves() ? candidate.gap - record.time_step * candidate.gap_speed + moved
                                         : obstacle.shape->Closest(record.positions.segment<3>(3 * candidate.node)).gap -
                                               obstacle.contact_distance;
@@ -86,11 +57,8 @@ void AuditRecord(const StepRecord& record, const SolveStart& start, const Parame
   const StepProblem problem(model, parameters, start, record.times(), &simulator->step_workspace());
   const Eigen::VectorXd velocities = model.Gather(record.velocities);
   StepPoint point;
-  bool are_known = true;
-  if (model.scene().self_contact) {
-    are_known = TakePairs(RestoreContacts(record, start.positions, {}, parameters, model).pairs, velocities,
-                          &simulator->step_workspace(), &point);
-  }
+  const ContactSet recorded = RestoreContacts(record, start.positions, {}, parameters, model);
+  const bool are_known = simulator->step_workspace().contacts.Restore(recorded, velocities, &point);
   problem.Evaluate(velocities, &point);
   const double tolerance = StepSolver::Tolerance(problem, model.scene().solver.step_tolerance, point);
   const double off = (point.positions - record.positions).lpNorm<Eigen::Infinity>();
