@@ -57,15 +57,18 @@ bool IsOfOneRecording(const std::string& name) {
 struct ToldParameter {
   PosteriorParameter parameter;
   double std = std::nan(""), lower95 = std::nan(""), upper95 = std::nan("");
+
+  bool HasInterval() const { return std >= 0.0 && lower95 < upper95; }
 };
 
 struct ToldSpread {
-  double noise = std::nan(""), beside = 0.0;  // standard deviations of q; NaN: none is told
+  double noise = 0.0, beside = 0.0;  // standard deviations of q
 };
 
+// Of one that has an interval, or a range.
 ToldSpread SpreadOf(const ToldParameter& told, double quantile) {
+  if (told.parameter.untold) return {1.0, 0.0};
   ToldSpread spread;
-  if (!(told.std >= 0.0) || !(told.lower95 < told.upper95)) return spread;
   const PosteriorParameter& parameter = told.parameter;
   const double q = parameter.ToCoordinate(parameter.value);
   const double half_width =
@@ -79,33 +82,70 @@ ToldSpread SpreadOf(const ToldParameter& told, double quantile) {
 // The correlation of the noise of two parameters; NaN where none is told.
 using CorrelationOf = std::function<double(std::size_t i, std::size_t j)>;
 
+bool TellsInterval(const FitPosterior& posterior) {
+  return std::any_of(posterior.parameters.begin(), posterior.parameters.end(),
+                     [](const PosteriorParameter& parameter) { return !parameter.untold; });
+}
+
 // Parameters, their covariance, and those that are held.
 void SetParameters(const std::vector<ToldParameter>& told, double quantile, const CorrelationOf& correlation_of,
                    FitPosterior* posterior) {
   std::vector<std::size_t> indices;
   std::vector<ToldSpread> spreads;
   for (std::size_t i = 0; i < told.size(); ++i) {
-    const ToldSpread spread = SpreadOf(told[i], quantile);
-    if (std::isnan(spread.noise)) {
+    if (!told[i].HasInterval() && !told[i].parameter.untold) {
       posterior->held[told[i].parameter.name] = told[i].parameter.value;
       continue;
     }
     posterior->parameters.push_back(told[i].parameter);
     indices.push_back(i);
-    spreads.push_back(spread);
+    spreads.push_back(SpreadOf(told[i], quantile));
   }
   const auto size = static_cast<Eigen::Index>(indices.size());
   posterior->covariance.setZero(size, size);
   for (Eigen::Index i = 0; i < size; ++i) {
     for (Eigen::Index j = 0; j < size; ++j) {
       const auto row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(j);
-      const double correlation = i == j ? 1.0 : correlation_of(indices[row], indices[column]);
+      const bool is_apart = told[indices[row]].parameter.untold || told[indices[column]].parameter.untold;
+      const double correlation = i == j ? 1.0 : is_apart ? 0.0 : correlation_of(indices[row], indices[column]);
       if (!std::isnan(correlation)) {
         posterior->covariance(i, j) = spreads[row].noise * correlation * spreads[column].noise;
       }
     }
     posterior->covariance(i, i) += std::pow(spreads[static_cast<std::size_t>(i)].beside, 2);
   }
+}
+
+// The hidden directions over the parameters `names`.
+std::vector<Eigen::VectorXd> ReadHiddenDirections(const JsonNode& uncertainty, const std::vector<std::string>& names) {
+  std::vector<Eigen::VectorXd> directions;
+  const auto told = uncertainty.Find("hidden_directions");
+  if (!told) return directions;
+  for (const JsonNode& direction : told->items()) {
+    const JsonNode coordinates = direction.Require("coordinates", "an object");
+    Eigen::VectorXd& changes = directions.emplace_back(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(names.size())));
+    for (Eigen::Index i = 0; i < changes.size(); ++i) {
+      const double change = ToldNumber(coordinates, names[static_cast<std::size_t>(i)]);
+      if (!std::isnan(change)) changes[i] = change;
+    }
+  }
+  return directions;
+}
+
+// Of a parameter that has no interval; none where it was frozen, or the result does not tell, as older ones.
+std::optional<UntoldRange> ReadUntoldRange(const ToldParameter& told, const JsonNode& node, const JsonNode& uncertainty,
+                                           bool hidden_alone) {
+  const auto is = [&](const char* key) {
+    const auto found = node.Find(key);
+    return found && found->Boolean();
+  };
+  const auto changes = uncertainty.Find("visible_change");
+  if (!changes || is("frozen")) return std::nullopt;
+  const double visible_change = ToldNumber(*changes, told.parameter.name);
+  const double scale = ToldNumber(uncertainty, "residual_scale");
+  if (std::isnan(visible_change) || std::isnan(scale)) return std::nullopt;
+  return RangeOf({told.parameter.scale, told.parameter.value, told.parameter.lower_bound, told.parameter.upper_bound,
+                  is("at_bound"), hidden_alone, visible_change, scale, told.lower95, told.upper95});
 }
 
 PosteriorParameter ReadParameter(const std::string& name, const JsonNode& node) {
@@ -127,22 +167,28 @@ void ReadParameters(const JsonNode& root, FitPosterior* posterior) {
   const auto widening = uncertainty.Find("widening");
   const double quantile = widening ? widening->Require("quantile95", "a number").PositiveNumber() : kNormal95;
   const JsonNode parameters = root.Require("parameters", "an object");
+  const std::vector<std::string> names = parameters.keys();
+  const std::vector<Eigen::VectorXd> hidden = ReadHiddenDirections(uncertainty, names);
   std::vector<ToldParameter> told;
-  for (const std::string& name : parameters.keys()) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string& name = names[i];
     if (IsOfOneRecording(name)) {
       posterior->left_out.push_back(name);
       continue;
     }
     const JsonNode node = *parameters.Find(name);
-    told.push_back(
-        {ReadParameter(name, node), ToldNumber(node, "std"), ToldNumber(node, "lower95"), ToldNumber(node, "upper95")});
+    ToldParameter& next = told.emplace_back(ToldParameter{ReadParameter(name, node), ToldNumber(node, "std"),
+                                                          ToldNumber(node, "lower95"), ToldNumber(node, "upper95")});
+    if (next.HasInterval()) continue;
+    const bool hidden_alone = IsHiddenAlone(hidden, static_cast<Eigen::Index>(i));
+    next.parameter.untold = ReadUntoldRange(next, node, uncertainty, hidden_alone);
   }
   const JsonNode rows = uncertainty.Require("correlation", "an object");
   const auto correlation_of = [&](std::size_t i, std::size_t j) {
     return ToldNumber(rows.Require(told[i].parameter.name, "an object"), told[j].parameter.name);
   };
   SetParameters(told, quantile, correlation_of, posterior);
-  if (posterior->parameters.empty()) parameters.Fail("expected one with an interval, 'lower95' to 'upper95'");
+  if (!TellsInterval(*posterior)) parameters.Fail("expected one with an interval, 'lower95' to 'upper95'");
 }
 
 std::vector<LastingForce> ReadForces(const JsonNode& root) {
@@ -299,14 +345,23 @@ FitPosterior ParsePosterior(const std::string& text, const std::string& path) {
 FitPosterior PosteriorOf(const FitSummary& summary, const std::vector<LastingForce>& forces) {
   FitPosterior posterior;
   posterior.path = "the fit";
+  std::vector<Eigen::VectorXd> hidden;
+  for (const HiddenDirection& direction : summary.uncertainty->hidden_directions) {
+    hidden.push_back(direction.coordinates);
+  }
   std::vector<ToldParameter> told;
   for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
     const FittedParameter& fitted = summary.parameters[i];
     const ParameterUncertainty& known = summary.uncertainty->parameters[i];
-    told.push_back({{fitted.name, fitted.scale, fitted.value, fitted.lower_bound, fitted.upper_bound},
-                    known.std,
-                    known.lower95,
-                    known.upper95});
+    ToldParameter& next = told.emplace_back(
+        ToldParameter{{fitted.name, fitted.scale, fitted.value, fitted.lower_bound, fitted.upper_bound},
+                      known.std,
+                      known.lower95,
+                      known.upper95});
+    if (next.HasInterval() || fitted.frozen) continue;
+    next.parameter.untold = RangeOf({fitted.scale, fitted.value, fitted.lower_bound, fitted.upper_bound, known.at_bound,
+                                     IsHiddenAlone(hidden, static_cast<Eigen::Index>(i)), known.visible_change,
+                                     summary.uncertainty->residual_scale, known.lower95, known.upper95});
   }
   const auto correlation_of = [&](std::size_t i, std::size_t j) {
     return summary.uncertainty->correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
@@ -350,7 +405,8 @@ Eigen::MatrixXd DrawParameters(const FitPosterior& posterior, int num_draws, std
     const Eigen::VectorXd change = root * NormalStream(seed, draw, DrawStream::kParameters).Draw(size, 1);
     for (Eigen::Index i = 0; i < size; ++i) {
       const PosteriorParameter& parameter = posterior.parameters[static_cast<std::size_t>(i)];
-      values(i, draw) = parameter.ToValue(parameter.ToCoordinate(parameter.value) + change[i]);
+      values(i, draw) = parameter.ToValue(parameter.untold ? parameter.untold->At(change[i])
+                                                           : parameter.ToCoordinate(parameter.value) + change[i]);
     }
   }
   return values;

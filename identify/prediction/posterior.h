@@ -6,6 +6,9 @@
 // drift over memories): of which nobody knows how it goes together between parameters. Both are those of result.json:
 //   N_i = std_i dq_i/dvalue,   N_i^2 + e_i^2 = (half the width of the interval / quantile)^2,
 // the wider half where a bound has cut the other.
+//
+// What a fit was free to move and tells no interval of is not known either: it is drawn from where it may be
+// (identify/uncertainty/untold_range.h), apart from the others.
 #ifndef CLOTHID_IDENTIFY_PREDICTION_POSTERIOR_H_
 #define CLOTHID_IDENTIFY_PREDICTION_POSTERIOR_H_
 
@@ -19,6 +22,7 @@
 #include "costs/prediction/parameter_block.h"
 #include "identify/checks/lasting_force.h"
 #include "identify/estimate/fit_summary.h"
+#include "identify/uncertainty/untold_range.h"
 #include "sim/scene/scene.h"
 
 namespace clothid {
@@ -28,6 +32,7 @@ struct PosteriorParameter {
   ParameterScale scale = ParameterScale::kLinear;
   double value = 0.0;  // the estimate, in its own unit
   double lower_bound = 0.0, upper_bound = 0.0;
+  std::optional<UntoldRange> untold = {};  // none: it has an interval
 
   double ToCoordinate(double at) const;
   double ToValue(double coordinate) const;  // cut at the bounds
@@ -44,9 +49,9 @@ struct LearntStart {
 struct FitPosterior {
   std::string path, key = "parameters";        // the file and its key that holds them, for messages
   std::string warning;                         // the verdict of a fit that must not be used; empty: it may be
-  std::vector<PosteriorParameter> parameters;  // [p] those with an interval
-  Eigen::MatrixXd covariance;                  // [p x p] of q
-  std::map<std::string, double> held;          // estimates without an interval: frozen, at a bound, not identifiable
+  std::vector<PosteriorParameter> parameters;  // [p] those with an interval, and those that may be anywhere in a range
+  Eigen::MatrixXd covariance;                  // [p x p] of q; of the latter of the number that `UntoldRange::At` takes
+  std::map<std::string, double> held;          // estimates of others: frozen, stalled, hidden together
   std::vector<std::string> left_out;           // of a recording alone, which say nothing of another scene
   // What the model lacks is their sum (identify/prediction/force_match.h); empty: it lacks nothing. With the factor of
   // a calibration.

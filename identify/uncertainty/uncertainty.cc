@@ -261,9 +261,11 @@ void JudgeIntervals(const std::vector<ParameterBlock>& blocks, Uncertainty* unce
 }
 
 double BelievedStd(const ParameterBlock& block) {
-  const double widest =
-      block.scale == ParameterScale::kLog ? std::log(kWidestBelief) : std::numeric_limits<double>::infinity();
-  return std::min(block.CoordinateRange(), widest) / std::sqrt(12.0);
+  return BelievedRangeOf(block.CoordinateRange(), block.scale) / std::sqrt(12.0);
+}
+
+double BelievedRangeOf(double range, ParameterScale scale) {
+  return scale == ParameterScale::kLog ? std::min(range, std::log(kWidestBelief)) : range;
 }
 
 bool IsResolution(const ParameterBlock& block, double coordinate, double coordinate_std) {

@@ -193,6 +193,8 @@ inline constexpr double kRoundingResiduals = 1e-3;
 // The standard deviation of q that was believed before anything was measured, without a prior: that of every value
 // between the bounds being as likely, see above.
 double BelievedStd(const ParameterBlock& block);
+// Of the range of q between the bounds what was believed, without a prior: a logarithm at most by a factor of 1e4.
+double BelievedRangeOf(double range, ParameterScale scale);
 
 // Whether a standard deviation of q is that of the optimiser rather than that of noise: below two resolutions.
 bool IsResolution(const ParameterBlock& block, double coordinate, double coordinate_std);

@@ -34,11 +34,14 @@ void PrintStart(const LearntStart& start, const Prediction& prediction) {
 }
 
 void PrintDrawn(const FitPosterior& posterior, bool has_force) {
-  std::vector<std::string> drawn, held;
-  for (const PosteriorParameter& parameter : posterior.parameters) drawn.push_back(parameter.name);
+  std::vector<std::string> drawn, untold, held;
+  for (const PosteriorParameter& parameter : posterior.parameters) {
+    (parameter.untold ? untold : drawn).push_back(parameter.name);
+  }
   for (const auto& [name, value] : posterior.held) held.push_back(name);
   std::cout << "drawn           " << (drawn.empty() ? "no parameter" : JoinWords(drawn));
-  if (!held.empty()) std::cout << "; as if known, for want of an interval: " << JoinWords(held);
+  if (!untold.empty()) std::cout << "; within bounds, for want of an interval: " << JoinWords(untold);
+  if (!held.empty()) std::cout << "; as if known: " << JoinWords(held);
   if (!posterior.left_out.empty()) std::cout << "; of no use here: " << JoinWords(posterior.left_out);
   std::cout << "\nmodel           ";
   if (!posterior.forces.empty()) {

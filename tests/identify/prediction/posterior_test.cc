@@ -53,6 +53,76 @@ TEST_F(PosteriorTest, WhatHasNoIntervalIsHeld) {
   EXPECT_EQ(posterior.held.at("mu"), 0.3);
 }
 
+// mu at its lower bound; from one to the other it changes the prediction by so many standard deviations.
+Json FitAtABound(double visible_change) {
+  Json json = Fit();
+  json["parameters"]["mu"]["value"] = 0.0;
+  for (const char* key : {"std", "lower95", "upper95"}) json["parameters"]["mu"][key] = nullptr;
+  json["parameters"]["mu"]["frozen"] = false;
+  json["parameters"]["mu"]["at_bound"] = true;
+  json["uncertainty"]["residual_scale"] = 1.0;
+  json["uncertainty"]["visible_change"] = {{"k_stretch", 300.0}, {"mu", visible_change}};
+  json["uncertainty"]["hidden_directions"] = Json::array();
+  return json;
+}
+
+TEST_F(PosteriorTest, AParameterAtItsBoundIsDrawnFromThereOnByItself) {
+  const FitPosterior posterior = Read(FitAtABound(20.0));
+  ASSERT_EQ(posterior.parameters.size(), 2u);
+  EXPECT_TRUE(posterior.held.empty());
+  EXPECT_EQ(posterior.covariance(0, 1), 0.0) << "of noise that is told for the others alone";
+  const Eigen::ArrayXXd draws = DrawParameters(posterior, 4000, 1);
+  EXPECT_GE(draws.row(1).minCoeff(), 0.0);
+  EXPECT_NEAR(draws.row(1).square().mean(), 0.1 * 0.1, 0.1 * 0.01);
+  EXPECT_NEAR((draws.row(0).log() - std::log(100.0)).square().mean(), std::pow(0.06, 2), 0.1 * std::pow(0.06, 2));
+  const double product =
+      ((draws.row(0).log() - std::log(100.0)) / 0.06 * (draws.row(1) - draws.row(1).mean()) / 0.06).mean();
+  EXPECT_NEAR(product, 0.0, 0.05) << "uncorrelated";
+}
+
+TEST_F(PosteriorTest, AHiddenParameterIsDrawnFromBoundToBoundUnlessItWasFrozen) {
+  Json json = FitAtABound(0.1);
+  EXPECT_EQ(Read(json).held.at("mu"), 0.0) << "hidden, but by nobody knows what";
+  json["uncertainty"]["hidden_directions"] = {{{"coordinates", {{"k_stretch", 0.0}, {"mu", 1.0}}}}};
+  const FitPosterior posterior = Read(json);
+  ASSERT_EQ(posterior.parameters.size(), 2u);
+  const Eigen::ArrayXXd draws = DrawParameters(posterior, 4000, 1);
+  EXPECT_NEAR(draws.row(1).mean(), 1.0, 0.05);
+  EXPECT_NEAR((draws.row(1) - 1.0).square().mean(), 4.0 / 12.0, 0.03);
+  json["parameters"]["mu"]["frozen"] = true;
+  EXPECT_EQ(Read(json).held.at("mu"), 0.0);
+}
+
+// What a fit hands on to the bands of what was held out is what its result.json says.
+TEST_F(PosteriorTest, OfAFitThatHasJustEndedTheSameIsDrawn) {
+  FitSummary summary;
+  FittedParameter stretch, mu;
+  stretch.name = "k_stretch";
+  stretch.scale = ParameterScale::kLog;
+  stretch.value = 100.0;
+  stretch.lower_bound = 1e-4;
+  stretch.upper_bound = 1e8;
+  mu.name = "mu";
+  mu.lower_bound = 0.0;
+  mu.upper_bound = 2.0;
+  mu.at_bound = true;
+  summary.parameters = {stretch, mu};
+  Uncertainty uncertainty;
+  uncertainty.parameters.resize(2);
+  uncertainty.parameters[0].std = 2.0;
+  uncertainty.parameters[0].lower95 = 100.0 * std::exp(-0.06 * kNormal95);
+  uncertainty.parameters[0].upper95 = 100.0 * std::exp(0.06 * kNormal95);
+  uncertainty.parameters[1].at_bound = true;
+  uncertainty.parameters[1].visible_change = 20.0;
+  uncertainty.residual_scale = 1.0;
+  uncertainty.correlation = Eigen::MatrixXd::Identity(2, 2);
+  summary.uncertainty = uncertainty;
+  EXPECT_EQ(DrawParameters(PosteriorOf(summary, {}), 20, 1), DrawParameters(Read(FitAtABound(20.0)), 20, 1));
+  uncertainty.parameters[1].visible_change = 0.1;
+  summary.uncertainty = uncertainty;
+  EXPECT_EQ(PosteriorOf(summary, {}).held.at("mu"), 0.0);
+}
+
 TEST_F(PosteriorTest, WhatBelongsToARecordingIsLeftOut) {
   Json json = Fit();
   for (const char* name : {"drag@2", "shift.x", "wind.x.3"}) json["parameters"][name] = json["parameters"]["mu"];
@@ -132,6 +202,9 @@ TEST_F(PosteriorTest, RefusesResultsWithoutIntervals) {
   ExpectRefused(json, {"mu", "expected an object"});
   json = ResultText({{"mu", {0.3, 0.01, 1.0, false}}});
   json["parameters"]["mu"]["std"] = nullptr;
+  ExpectRefused(json, {"key 'parameters'", "with an interval"});
+  json = FitAtABound(20.0);
+  json["parameters"].erase("k_stretch");
   ExpectRefused(json, {"key 'parameters'", "with an interval"});
 }
 
