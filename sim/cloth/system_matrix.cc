@@ -55,6 +55,19 @@ Eigen::SparseMatrix<double> AssembleSystemMatrix(const ClothModel& model, const 
   return assembly.Matrix(model.num_free());
 }
 
+// d_j = P_jj of P = M + h c_d diag(a) + h^2 (k L + k_b Q + Q_s) + h eta L.
+double SystemDiagonal(const ClothModel& model, const Material& material, double time_step, int node) {
+  double diagonal = model.nodes().ArealSlope(material, time_step) * model.node_areas()[node];
+  for (const auto& term : model.forces().terms()) {
+    diagonal += term->LaplacianWeight(material, time_step) * model.laplacian_diagonal()[node];
+  }
+  for (const auto& term : model.forces().terms()) {
+    const auto part = term->SystemPart(material, time_step);
+    if (part) diagonal += part->weight * (*part->diagonal)[node];
+  }
+  return diagonal;
+}
+
 // Simplicial: without BLAS, which threads would have to take turns in, and for a matrix this small as fast.
 struct SystemMatrixFactor::State {
   Eigen::CholmodSimplicialLLT<Eigen::SparseMatrix<double>> cholesky;

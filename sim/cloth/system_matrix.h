@@ -19,6 +19,9 @@ namespace clothid {
 // P [Nf x Nf], kg, both triangles stored.
 Eigen::SparseMatrix<double> AssembleSystemMatrix(const ClothModel& model, const Material& material, double time_step);
 
+// d_j = P_jj of node `node`, kg.
+double SystemDiagonal(const ClothModel& model, const Material& material, double time_step, int node);
+
 // The Cholesky factor of P: positive definite, as masses are positive.
 class SystemMatrixFactor {
  public:

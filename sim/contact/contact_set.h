@@ -2,6 +2,7 @@
 #ifndef CLOTHID_SIM_CONTACT_CONTACT_SET_H_
 #define CLOTHID_SIM_CONTACT_CONTACT_SET_H_
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -26,22 +27,25 @@ struct ContactRecords {
   std::size_t bytes() const {
     return nodes.capacity() * sizeof(ContactRecord) + pairs.capacity() * sizeof(PairContactRecord);
   }
+  // Whether thinning had left one of them out (pair_thinning.h): contacts may depend on each other, and the derivative
+  // of the step is not certain.
+  bool depend() const;
+  // The nodes of the cloth that every contact with itself holds together, unused places -1.
+  std::vector<std::array<int, 4>> TouchingNodes() const;
 };
+
+// That a record takes where every node is in contact with an obstacle and with the cloth, as far as the scene has them.
+std::size_t BytesPerNode(bool has_obstacles, bool has_self_contact);
 
 ContactRecords RecordContacts(const ContactSet& contacts);
 
-// Calls `visit` with every contact as it was and is, null where it was not or is not. Both are in ascending order.
-template <class Record, class Function>
-void Match(const std::vector<Record>& before, const std::vector<Record>& after, const Function& visit) {
-  std::size_t i = 0, j = 0;
-  while (i < before.size() || j < after.size()) {
-    const bool left = j == after.size() || (i < before.size() && before[i] < after[j]);
-    const bool joined = i == before.size() || (j < after.size() && after[j] < before[i]);
-    visit(joined ? nullptr : &before[i], left ? nullptr : &after[j]);
-    if (!joined) ++i;
-    if (!left) ++j;
-  }
-}
+// What has changed between the ends of two steps.
+struct ContactChanges {
+  int joined = 0, left = 0;         // nodes at obstacles
+  int branches = 0, obstacles = 0;  // nodes that stayed, in another branch, or at another obstacle
+  int pairs = 0;                    // of the cloth with itself: joined, left, or in another branch
+};
+ContactChanges CompareContacts(const ContactRecords& before, const ContactRecords& after);
 
 // Of contacts that are in one of the two alone; one that is in both, but in another branch, at another obstacle or
 // with other friction, counts twice.

@@ -120,4 +120,42 @@ ImpactDerivative<4> DifferentiateImpact(const PairContact& contact, const PairGe
   return derivative;
 }
 
+PairImpactNodes ImpactNodes(const PairCandidate& pair, const SolveMotion& motion) {
+  PairImpactNodes nodes;
+  for (int i = 0; i < pair.features.num_nodes(); ++i) {
+    const int node = pair.features.nodes[i];
+    if (pair.blocks[i] >= 0) nodes.inverse_masses[i] = 1.0 / motion.model.mass(motion.material, node);
+    nodes.velocity_changes.col(i) = motion.ChangeOf(node);
+  }
+  return nodes;
+}
+
+void SubtractImpacts(const ContactSet& contacts, const SolveMotion& motion, double factor,
+                     Eigen::VectorXd* velocities) {
+  for (const Contact& contact : contacts.nodes) {
+    const int node = contact.candidate.node;
+    velocities->segment<3>(3 * node) -=
+        factor * ImpactVelocity(contact, motion.model.mass(motion.material, node), motion.ChangeOf(node));
+  }
+  for (const PairContact& pair : contacts.pairs) {
+    const PairImpact impact = EvaluatePairImpact(pair, ImpactNodes(pair.candidate, motion));
+    for (int i = 0; i < pair.candidate.features.num_nodes(); ++i) {
+      velocities->segment<3>(3 * pair.candidate.features.nodes[i]) -= factor * impact.portions[i] * impact.velocity;
+    }
+  }
+}
+
+std::vector<ClothImpactDerivative> DifferentiateClothImpacts(const ContactSet& contacts, const SolveMotion& motion,
+                                                             const Eigen::VectorXd& start_positions) {
+  std::vector<ClothImpactDerivative> impacts;
+  for (std::size_t c = 0; c < contacts.pairs.size(); ++c) {
+    const PairCandidate& pair = contacts.pairs[c].candidate;
+    const PairImpactNodes nodes = ImpactNodes(pair, motion);
+    if (EvaluatePairImpact(contacts.pairs[c], nodes).share == 0.0) continue;
+    const PairGeometryGradient gradient = DifferentiatePair(pair.features, start_positions);
+    impacts.push_back({pair.features.nodes, pair.blocks, c, DifferentiateImpact(contacts.pairs[c], gradient, nodes)});
+  }
+  return impacts;
+}
+
 }  // namespace clothid

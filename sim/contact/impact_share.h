@@ -19,9 +19,12 @@
 #define CLOTHID_SIM_CONTACT_IMPACT_SHARE_H_
 
 #include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <vector>
 
-#include "sim/contact/contact.h"
-#include "sim/contact/self_contact.h"
+#include "sim/cloth/cloth_model.h"
+#include "sim/contact/contact_set.h"
 
 namespace clothid {
 
@@ -69,6 +72,34 @@ ObstacleImpactDerivative DifferentiateImpact(const Contact& contact, double mass
 // Of a pair: du_i = p_i dB + B dp_i.
 ImpactDerivative<4> DifferentiateImpact(const PairContact& contact, const PairGeometryGradient& gradient,
                                         const PairImpactNodes& nodes);
+
+// A solve, from v_n to v_1 [3N] m/s, those of handles of their way over it; as long as all of these live.
+struct SolveMotion {
+  const ClothModel& model;
+  const Material& material;
+  const Eigen::VectorXd& start_velocities;
+  const Eigen::VectorXd& end_velocities;
+
+  Eigen::Vector3d ChangeOf(int node) const {
+    return end_velocities.segment<3>(3 * node) - start_velocities.segment<3>(3 * node);
+  }
+};
+
+// What the impact of a pair counts of its nodes.
+PairImpactNodes ImpactNodes(const PairCandidate& pair, const SolveMotion& motion);
+
+// Takes `factor` times u of every contact off `velocities` [3N].
+void SubtractImpacts(const ContactSet& contacts, const SolveMotion& motion, double factor, Eigen::VectorXd* velocities);
+
+// The derivatives of the pairs whose impact counts.
+struct ClothImpactDerivative {
+  std::array<int, 4> nodes;   // -1: unused
+  std::array<int, 4> blocks;  // among the free ones, or -1
+  std::size_t contact;        // among the pairs
+  ImpactDerivative<4> derivative;
+};
+std::vector<ClothImpactDerivative> DifferentiateClothImpacts(const ContactSet& contacts, const SolveMotion& motion,
+                                                             const Eigen::VectorXd& start_positions);
 
 }  // namespace clothid
 

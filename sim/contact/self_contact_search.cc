@@ -289,4 +289,12 @@ void SelfContactSearch::Find(const Eigen::VectorXd& positions, const Eigen::Vect
   pairs->erase(std::unique(pairs->begin(), pairs->end()), pairs->end());
 }
 
+double SelfContactSearch::LeastDistance(const Eigen::VectorXd& positions) {
+  std::vector<PairFeatures> pairs;
+  Find(positions, Eigen::VectorXd::Zero(positions.size()), 0.0, 0.0, &pairs);
+  double least = reach_;
+  for (const PairFeatures& pair : pairs) least = std::min(least, EvaluatePair(pair, positions).distance);
+  return least;
+}
+
 }  // namespace clothid

@@ -45,6 +45,10 @@ class SelfContactSearch {
   void Find(const Eigen::VectorXd& positions, const Eigen::VectorXd& velocities, double gap_time, double further_reach,
             std::vector<PairFeatures>* pairs);
 
+  // The least distance at `positions` of parts that are nearer than 5/4 of the thickness, m; that, where there are
+  // none.
+  double LeastDistance(const Eigen::VectorXd& positions);
+
  private:
   struct Edge {
     std::array<int, 2> nodes;                // ascending

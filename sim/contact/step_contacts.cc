@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "sim/cloth/cloth_model.h"
+#include "sim/cloth/system_matrix.h"
 #include "sim/contact/pair_thinning.h"
 
 namespace clothid {
@@ -262,6 +263,36 @@ void StepContacts::ContactsAt(const ContactFriction& friction, const ContactPoin
     contacts->pairs.push_back(
         {pairs_[c], point.pairs.responses[c], point.pairs.forces[c], pairs_[c].FrictionOf(friction.self)});
   }
+}
+
+ContactSet RestoreContacts(const ContactRecords& records, const SolvedStep& step,
+                           const std::vector<ObstacleMotion>& motions, const Parameters& parameters,
+                           const ClothModel& model) {
+  const Scene& scene = model.scene();
+  const auto weight = [&](int node) { return SystemDiagonal(model, parameters.material, step.time_step, node); };
+  ContactSet contacts;
+  contacts.nodes.reserve(records.nodes.size());
+  for (const ContactRecord& kept : records.nodes) {
+    ContactCandidate candidate;
+    FindCandidate(model, kept.node, step.start_positions, step.gap_time, motions, &candidate);
+    const double mu = parameters.friction_coefficients[kept.obstacle];
+    contacts.nodes.push_back(
+        {candidate, EvaluateContactLaw(kept.force, candidate.normal, mu), kept.force, weight(kept.node),
+         ObstacleGain(motions, candidate.obstacle, step.start_positions.segment<3>(3 * candidate.node)), mu});
+  }
+  for (const PairContactRecord& kept : records.pairs) {
+    PairCandidate candidate =
+        MakePairCandidate(kept.features, step.start_positions, model.free_index(), scene.self_contact->thickness,
+                          step.gap_time, scene.depenetration_speed);
+    Eigen::Vector4d weights = Eigen::Vector4d::Zero();
+    for (int i = 0; i < kept.features.num_nodes(); ++i) weights[i] = weight(kept.features.nodes[i]);
+    candidate.SetNodes(step.velocities, weights);
+    candidate.has_friction = kept.has_friction;
+    const double mu = candidate.FrictionOf(parameters.self_friction);
+    contacts.pairs.push_back(
+        {candidate, EvaluateContactLaw(kept.force, candidate.geometry.normal, mu), kept.force, mu});
+  }
+  return contacts;
 }
 
 }  // namespace clothid

@@ -16,6 +16,7 @@
 
 #include "sim/contact/contact_set.h"
 #include "sim/contact/self_contact_search.h"
+#include "sim/scene/parameters.h"
 
 namespace clothid {
 
@@ -119,6 +120,20 @@ class StepContacts {
   std::vector<PairCandidate> pairs_;           // those that the solve covers
   std::vector<PairCandidate> left_out_;
 };
+
+// A solve that is over.
+struct SolvedStep {
+  const Eigen::VectorXd& start_positions;  // x_n [3N] m
+  const Eigen::VectorXd& velocities;       // v_{n+1} [3N] m/s, those of handles among them
+  double time_step;                        // s
+  double gap_time;                         // T, s
+};
+
+// The contacts that `records` kept of `step`, over which obstacles had `motions`: the numbers of its solver to the last
+// bit.
+ContactSet RestoreContacts(const ContactRecords& records, const SolvedStep& step,
+                           const std::vector<ObstacleMotion>& motions, const Parameters& parameters,
+                           const ClothModel& model);
 
 }  // namespace clothid
 

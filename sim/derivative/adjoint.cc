@@ -107,7 +107,7 @@ class ReverseSweep {
     }
     if (!step.contacts().empty()) lambda_.positions -= step.TimesFramesTransposed(z);
     if (by_pair_forces != nullptr) {
-      handles_.AddPairForces(*by_pair_forces);
+      handles_.AddContactForces(*by_pair_forces);
       lambda_.positions += by_start;
     }
     if (record.stage == Stage::kFirst) {

@@ -34,7 +34,7 @@ HandleCoupling::HandleCoupling(const ClothModel& model)
 void HandleCoupling::SetStep(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
                              const StepDerivative& step) {
   record_ = &record;
-  pairs_ = &step.pairs();
+  impulses_ = &step.impulse_blocks();
   whole_.SetVariation(parameters);
   parameters_ = &parameters;
   times_ = {record.time};
@@ -42,7 +42,7 @@ void HandleCoupling::SetStep(const StepRecord& record, const SolveStart& start, 
   const ForceSet& forces = whole_.forces();
   SetForceStart(forces, start, record.time_step, model_.scene().handles.nodes, record.positions, &held_.start);
   forces.Hold(parameters, record.time, &held_);
-  if (forces.needs_origins() || forces.needs_velocities() || !pairs_->is_empty()) {
+  if (forces.needs_origins() || forces.needs_velocities() || !impulses_->is_empty()) {
     if (start.first_positions == nullptr) {
       times_.push_back(record.time - record.time_step);
       origins_ = {{&start.positions, 1.0}};
@@ -68,9 +68,9 @@ ForcePoint HandleCoupling::point() const {
 StepColumns HandleCoupling::Times(int place, const Eigen::MatrixXd& columns) const {
   const Eigen::MatrixXd all = model_.ScatterHandles(columns);
   const ForceSet& forces = whole_.forces();
-  const bool has_pairs = !pairs_->is_empty();
-  Eigen::MatrixXd by_speed(pairs_->friction.size(), columns.cols());
-  if (has_pairs) by_speed = pairs_->speeds * all / record_->time_step;
+  const bool has_pairs = !impulses_->is_empty();
+  Eigen::MatrixXd by_speed(impulses_->friction.size(), columns.cols());
+  if (has_pairs) by_speed = impulses_->speeds * all / record_->time_step;
   if (place == 0) {
     Eigen::MatrixXd product = TimesHessian(all);
     forces.AddPredictionProduct(-record_->time_step, point(), held_, all, &product);
@@ -79,8 +79,8 @@ StepColumns HandleCoupling::Times(int place, const Eigen::MatrixXd& columns) con
   const Origin& origin = origins_[place - 1];
   Eigen::MatrixXd product = Eigen::MatrixXd::Zero(all.rows(), all.cols());
   if (has_pairs) {
-    product += pairs_->weights * all;
-    by_speed = origin.share * (pairs_->geometry * all - by_speed);
+    product += impulses_->weights * all;
+    by_speed = origin.share * (impulses_->geometry * all - by_speed);
   }
   forces.AddOriginProduct(record_->time_step, point(), *origin.positions, all, &product);
   forces.AddVelocityProduct(-1.0, point(), held_, all, &product);
@@ -90,35 +90,35 @@ StepColumns HandleCoupling::Times(int place, const Eigen::MatrixXd& columns) con
 Eigen::MatrixXd HandleCoupling::TimesTransposed(int place, const StepColumns& columns) const {
   const Eigen::MatrixXd all = model_.ScatterColumns(columns.velocities);
   const ForceSet& forces = whole_.forces();
-  const bool has_pairs = !pairs_->is_empty();
+  const bool has_pairs = !impulses_->is_empty();
   const double h = record_->time_step;
   if (place == 0) {
     Eigen::MatrixXd product = TimesHessian(all);
-    if (has_pairs) product += pairs_->speeds.transpose() * columns.impulses / h;
+    if (has_pairs) product += impulses_->speeds.transpose() * columns.impulses / h;
     forces.AddPredictionProductTransposed(-record_->time_step, point(), held_, all, &product);
     return model_.GatherHandles(product);
   }
   const Origin& origin = origins_[place - 1];
   Eigen::MatrixXd product = Eigen::MatrixXd::Zero(all.rows(), all.cols());
   if (has_pairs) {
-    product += pairs_->weights.transpose() * all + pairs_->geometry.transpose() * columns.impulses;
-    product -= pairs_->speeds.transpose() * columns.impulses / h;
+    product += impulses_->weights.transpose() * all + impulses_->geometry.transpose() * columns.impulses;
+    product -= impulses_->speeds.transpose() * columns.impulses / h;
   }
   forces.AddOriginProductTransposed(record_->time_step, point(), *origin.positions, all, &product);
   forces.AddVelocityProduct(-1.0, point(), held_, all, &product);
   return origin.share * model_.GatherHandles(product);
 }
 
-Eigen::MatrixXd HandleCoupling::PairForceTimes(int place, const Eigen::MatrixXd& columns) const {
-  if (place == 0 || pairs_->is_empty()) return Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
+Eigen::MatrixXd HandleCoupling::ContactForceTimes(int place, const Eigen::MatrixXd& columns) const {
+  if (place == 0 || impulses_->is_empty()) return Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
   const double share = origins_[place - 1].share / record_->time_step;
-  return -share * model_.GatherHandles(pairs_->weights * model_.ScatterHandles(columns));
+  return -share * model_.GatherHandles(impulses_->weights * model_.ScatterHandles(columns));
 }
 
-Eigen::MatrixXd HandleCoupling::PairForceTimesTransposed(int place, const Eigen::MatrixXd& columns) const {
-  if (place == 0 || pairs_->is_empty()) return Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
+Eigen::MatrixXd HandleCoupling::ContactForceTimesTransposed(int place, const Eigen::MatrixXd& columns) const {
+  if (place == 0 || impulses_->is_empty()) return Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
   const double share = origins_[place - 1].share / record_->time_step;
-  return -share * model_.GatherHandles(pairs_->weights.transpose() * model_.ScatterHandles(columns));
+  return -share * model_.GatherHandles(impulses_->weights.transpose() * model_.ScatterHandles(columns));
 }
 
 }  // namespace clothid

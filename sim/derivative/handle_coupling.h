@@ -9,7 +9,7 @@
 // way to what V_n and V_1 owe to the handles at the start of the step and at the end of its first stage, and dx_h,n to
 // (1 - kappa) dx_h,n + kappa dx_h,1. Made by the code of H itself, of a cloth whose handles are free.
 //
-// Pairs of the cloth with itself in contact, of which handles are nodes (pair_derivative.h), add what their weights owe
+// Pairs of the cloth with itself in contact, of which handles are nodes (impulse_blocks.h), add what their weights owe
 // to dx_h,n, and have equations of their own, which are rows of `StepColumns`, too:
 //   dR = (dR/dx_n) dx_h,n + (dR/dv_h) (dx_h - dx_h,n)/h
 #ifndef CLOTHID_SIM_DERIVATIVE_HANDLE_COUPLING_H_
@@ -58,8 +58,8 @@ class HandleCoupling {
   // That with the transpose: [3H x s].
   Eigen::MatrixXd TimesTransposed(int place, const StepColumns& columns) const;
   // Likewise what the pairs' force upon handles, sum w_i r/h [3H] N, owes to their weights at fixed r.
-  Eigen::MatrixXd PairForceTimes(int place, const Eigen::MatrixXd& columns) const;
-  Eigen::MatrixXd PairForceTimesTransposed(int place, const Eigen::MatrixXd& columns) const;
+  Eigen::MatrixXd ContactForceTimes(int place, const Eigen::MatrixXd& columns) const;
+  Eigen::MatrixXd ContactForceTimesTransposed(int place, const Eigen::MatrixXd& columns) const;
 
  private:
   Eigen::MatrixXd TimesHessian(const Eigen::MatrixXd& all) const;  // (h H + C) y, with the masses that K has
@@ -71,7 +71,7 @@ class HandleCoupling {
   BlockMatrix hessian_;
   HeldForces held_;
   const StepRecord* record_ = nullptr;
-  const PairDerivative* pairs_ = nullptr;
+  const ImpulseBlocks* impulses_ = nullptr;
   const Parameters* parameters_ = nullptr;
   std::vector<double> times_;  // of the places
   // Of the places before the end, and how much of V and -C they have.

@@ -25,10 +25,10 @@ void HandleTangent::Subtract(const StepRecord& record, const SolveStart& start, 
   }
 }
 
-void HandleTangent::AddPairForces(Eigen::MatrixXd* forces) const {
+void HandleTangent::AddContactForces(Eigen::MatrixXd* forces) const {
   if (is_empty()) return;
   for (int place = 0; place < coupling_->num_places(); ++place) {
-    forces->rightCols(columns_.cols() - first_) += coupling_->PairForceTimes(place, At(coupling_->time(place)));
+    forces->rightCols(columns_.cols() - first_) += coupling_->ContactForceTimes(place, At(coupling_->time(place)));
   }
 }
 
@@ -89,10 +89,10 @@ void HandleGradient::AddSolve(const StepRecord& record, const SolveStart& start,
   }
 }
 
-void HandleGradient::AddPairForces(const Eigen::MatrixXd& by_forces) {
+void HandleGradient::AddContactForces(const Eigen::MatrixXd& by_forces) {
   if (coupling_ == nullptr) return;
   for (int place = 0; place < coupling_->num_places(); ++place) {
-    Add(coupling_->time(place), coupling_->PairForceTimesTransposed(place, by_forces));
+    Add(coupling_->time(place), coupling_->ContactForceTimesTransposed(place, by_forces));
   }
 }
 

@@ -27,7 +27,7 @@ class HandleTangent {
                 const StepDerivative& step, StepColumns* right);
   // Of the same solve, adds what the weights of its pairs change in their force upon handles to the last columns of
   // `forces` [3H x (p + q)].
-  void AddPairForces(Eigen::MatrixXd* forces) const;
+  void AddContactForces(Eigen::MatrixXd* forces) const;
 
   // Takes what the impacts of pairs in the stage `first` owe to the handles off the last columns of `velocities`, dv_s.
   void SubtractImpacts(const StepRecord& first, const SecondStartDerivative& derivative,
@@ -64,7 +64,7 @@ class HandleGradient {
   void AddSolve(const StepRecord& record, const SolveStart& start, const StepDerivative& step, const StepColumns& y);
   // Of the same solve, through the weights of its pairs in their force upon handles, by which the gradient is given
   // [3H x s].
-  void AddPairForces(const Eigen::MatrixXd& by_forces);
+  void AddContactForces(const Eigen::MatrixXd& by_forces);
 
   // Through the impacts of pairs in the stage `first`, of gradients by x_s and v_s.
   void AddImpacts(const StepRecord& first, const SecondStartDerivative& derivative, const StateColumns& second);

@@ -1,6 +1,7 @@
 #include "sim/derivative/second_start_derivative.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "sim/step/second_start.h"
 
@@ -73,11 +74,12 @@ SecondStartDerivative::SecondStartDerivative(const StepRecord& first, const Solv
                                              const ClothModel& model)
     : num_impulses_(step.num_impulses()), num_rows_(3 * model.num_free()) {
   const ContactSet& contacts = step.contacts();
+  const SolveMotion motion{model, parameters.material, start.velocities, first.velocities};
   for (std::size_t i = 0; i < contacts.nodes.size(); ++i) {
     const Contact& contact = contacts.nodes[i];
     const int node = contact.candidate.node;
     const double mass = model.mass(parameters.material, node);
-    const Eigen::Vector3d change = first.velocities.segment<3>(3 * node) - start.velocities.segment<3>(3 * node);
+    const Eigen::Vector3d change = motion.ChangeOf(node);
     if (ImpactShare(contact, mass, change) == 0.0) continue;
     impacts_.push_back({{node},
                         {model.free_index()[node]},
@@ -86,14 +88,9 @@ SecondStartDerivative::SecondStartDerivative(const StepRecord& first, const Solv
                         Carried(DifferentiateImpact(contact, mass, change, step.motion_of(contact)))});
     impacts_.back().derivative.normal *= kSecondStageReach;
   }
-  for (std::size_t c = 0; c < contacts.pairs.size(); ++c) {
-    const PairCandidate& pair = contacts.pairs[c].candidate;
-    const PairImpactNodes nodes = ImpactNodes(model, parameters.material, pair, start.velocities, first.velocities);
-    if (EvaluatePairImpact(contacts.pairs[c], nodes).share == 0.0) continue;
-    const PairGeometryGradient gradient = DifferentiatePair(pair.features, start.positions);
-    cloth_impacts_.push_back({pair.features.nodes, pair.blocks,
-                              PlacesAmong(model.scene().handles.nodes, pair.features.nodes), c,
-                              Carried(DifferentiateImpact(contacts.pairs[c], gradient, nodes))});
+  for (ClothImpactDerivative& impact : DifferentiateClothImpacts(contacts, motion, start.positions)) {
+    cloth_impacts_.push_back({impact.nodes, impact.blocks, PlacesAmong(model.scene().handles.nodes, impact.nodes),
+                              impact.contact, Carried(std::move(impact.derivative))});
   }
 }
 

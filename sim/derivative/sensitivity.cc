@@ -170,7 +170,7 @@ class TangentSolver {
     handles_->EndStep(record);
     if (pair_forces == nullptr) return;
     *pair_forces = step->TimesHandleForces(change.impulses, positions);
-    handles_->AddPairForces(pair_forces);
+    handles_->AddContactForces(pair_forces);
   }
 
   // Takes `tangent` to the end of a solve. `further_parts` takes off -b what comes besides the handles.

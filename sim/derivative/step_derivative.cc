@@ -42,7 +42,7 @@ StepDerivative::StepDerivative(const StepRecord& record, const SolveStart& start
   }
   if (!record.contacts.empty()) motions_ = ObstacleMotions(model_.scene(), parameters, record.times());
   contacts_ = RestoreContacts(record, start.positions, motions_, parameters, model_);
-  pairs_ = DifferentiatePairs(contacts_.pairs, start.positions, record.velocities);
+  impulses_ = DifferentiateImpulses(contacts_, start.positions, record.velocities);
   if (motions_.empty()) return;
   for (const Contact& contact : contacts_.nodes) {
     const Eigen::Vector3d place = start.positions.segment<3>(3 * contact.candidate.node);
@@ -70,14 +70,14 @@ Eigen::MatrixXd StepDerivative::TimesMass(const Eigen::MatrixXd& columns) const 
 
 Eigen::MatrixXd StepDerivative::TimesUnknowns(const StepColumns& columns) const {
   Eigen::MatrixXd product = MultiplySymmetric(hessian_, columns.velocities, jacobian_.team());
-  if (!pairs_.is_empty()) product -= model_.GatherColumns(pairs_.spread * columns.impulses);
+  if (!impulses_.is_empty()) product -= model_.GatherColumns(impulses_.spread * columns.impulses);
   return product;
 }
 
 StepColumns StepDerivative::TimesUnknownsTransposed(const Eigen::MatrixXd& columns) const {
   StepColumns product{MultiplySymmetric(hessian_, columns, jacobian_.team()),
                       Eigen::MatrixXd(num_impulses(), columns.cols())};
-  if (!pairs_.is_empty()) product.impulses = -(pairs_.spread.transpose() * model_.ScatterColumns(columns));
+  if (!impulses_.is_empty()) product.impulses = -(impulses_.spread.transpose() * model_.ScatterColumns(columns));
   return product;
 }
 
@@ -95,14 +95,15 @@ Eigen::MatrixXd StepDerivative::TimesHessian(const Eigen::MatrixXd& columns) con
 Eigen::MatrixXd StepDerivative::TimesStart(const Eigen::MatrixXd& columns) const {
   Eigen::MatrixXd product = TimesHessian(columns);
   if (forces_.needs_origins() && !has_origins()) product += TimesMixed(start_.positions, columns);
-  if (!pairs_.is_empty()) product += model_.GatherColumns(pairs_.weights * model_.ScatterColumns(columns));
+  if (!impulses_.is_empty()) product += model_.GatherColumns(impulses_.weights * model_.ScatterColumns(columns));
   return product;
 }
 
 Eigen::MatrixXd StepDerivative::TimesStartTransposed(const Eigen::MatrixXd& columns) const {
   Eigen::MatrixXd product = TimesHessian(columns);
   if (forces_.needs_origins() && !has_origins()) product += TimesMixedTransposed(start_.positions, columns);
-  if (!pairs_.is_empty()) product += model_.GatherColumns(pairs_.weights.transpose() * model_.ScatterColumns(columns));
+  if (!impulses_.is_empty())
+    product += model_.GatherColumns(impulses_.weights.transpose() * model_.ScatterColumns(columns));
   return product;
 }
 
@@ -145,7 +146,7 @@ Eigen::MatrixXd StepDerivative::TimesPredictionTransposed(const Eigen::MatrixXd&
 StepColumns StepDerivative::TimesFrames(const Eigen::MatrixXd& columns) const {
   StepColumns product{Eigen::MatrixXd::Zero(columns.rows(), columns.cols()),
                       Eigen::MatrixXd(num_impulses(), columns.cols())};
-  if (!pairs_.is_empty()) product.impulses = pairs_.geometry * model_.ScatterColumns(columns);
+  if (!impulses_.is_empty()) product.impulses = impulses_.geometry * model_.ScatterColumns(columns);
   for (const Contact& contact : contacts_.nodes) {
     const int row = 3 * model_.free_index()[contact.candidate.node];
     product.velocities.middleRows<3>(row) =
@@ -161,25 +162,25 @@ Eigen::MatrixXd StepDerivative::TimesFramesTransposed(const StepColumns& columns
     product.middleRows<3>(row) =
         ContactPositionJacobian(contact, motion_of(contact)).transpose() * columns.velocities.middleRows<3>(row);
   }
-  if (!pairs_.is_empty()) product += model_.GatherColumns(pairs_.geometry.transpose() * columns.impulses);
+  if (!impulses_.is_empty()) product += model_.GatherColumns(impulses_.geometry.transpose() * columns.impulses);
   return product;
 }
 
 Eigen::MatrixXd StepDerivative::TimesHandleForces(const Eigen::MatrixXd& impulses, const Eigen::MatrixXd& start) const {
-  if (pairs_.is_empty()) {
+  if (impulses_.is_empty()) {
     const auto num_handles = static_cast<Eigen::Index>(model_.scene().handles.nodes.size());
     return Eigen::MatrixXd::Zero(3 * num_handles, start.cols());
   }
-  const Eigen::MatrixXd change = pairs_.spread * impulses - pairs_.weights * model_.ScatterColumns(start);
+  const Eigen::MatrixXd change = impulses_.spread * impulses - impulses_.weights * model_.ScatterColumns(start);
   return model_.GatherHandles(change) / record_.time_step;
 }
 
 void StepDerivative::AddHandleForcesTransposed(const Eigen::MatrixXd& forces, Eigen::MatrixXd* impulses,
                                                Eigen::MatrixXd* start) const {
-  if (pairs_.is_empty()) return;
+  if (impulses_.is_empty()) return;
   const Eigen::MatrixXd all = model_.ScatterHandles(forces / record_.time_step);
-  *impulses += pairs_.spread.transpose() * all;
-  *start -= model_.GatherColumns(pairs_.weights.transpose() * all);
+  *impulses += impulses_.spread.transpose() * all;
+  *start -= model_.GatherColumns(impulses_.weights.transpose() * all);
 }
 
 ForcePoint StepDerivative::point() const {
@@ -223,7 +224,7 @@ std::vector<MotionChange> StepDerivative::MotionChanges(ParameterId id) const {
 
 StepColumns StepDerivative::ImpulseDerivative(ParameterId id) const {
   StepColumns columns{Eigen::VectorXd::Zero(3 * model_.num_free()), Eigen::VectorXd::Zero(num_impulses())};
-  if (id.kind == ParameterKind::kSelfFriction) columns.impulses = -pairs_.friction;
+  if (id.kind == ParameterKind::kSelfFriction) columns.impulses = -impulses_.friction;
   auto derivative = columns.velocities.col(0);
   if (IsPlacement(id.kind)) {
     const std::vector<MotionChange> changes = MotionChanges(id);

@@ -8,7 +8,7 @@
 // obstacle's path that through gap, normal and V at fixed v.
 //
 // Contacts of the cloth with itself add their impulses r to the unknowns v, and their equations R to Phi, of which then
-// A, X and dr/dtheta have rows (sim/contact/pair_elimination.h, pair_derivative.h); and to dg/dx_n at fixed v and r
+// A, X and dr/dtheta have rows (sim/contact/pair_elimination.h, impulse_blocks.h); and to dg/dx_n at fixed v and r
 // what their weights do. `StepColumns` are over both: whoever sweeps need not know which contacts there are.
 //
 // A second stage (sim/step/second_start.h) starts from x_s and v_s in place of x_n and v_n. Its strain rate starts from
@@ -21,7 +21,7 @@
 #include <memory>
 #include <vector>
 
-#include "sim/derivative/pair_derivative.h"
+#include "sim/contact/impulse_blocks.h"
 #include "sim/derivative/size_derivative.h"
 #include "sim/rollout/rollout.h"
 #include "sim/scene/parameters.h"
@@ -43,9 +43,9 @@ class StepDerivative {
   // a point too far from this one: its pattern then serves the next Factor.
   bool UseFactor(std::shared_ptr<const ReducedFactor> factor);
   StepJacobian& jacobian() { return jacobian_; }
-  const ContactSet& contacts() const { return contacts_; }              // what sticks or slips
-  const PairDerivative& pairs() const { return pairs_; }                // of those of the cloth with itself
-  Eigen::Index num_impulses() const { return pairs_.friction.size(); }  // 3c, the rows of r and R
+  const ContactSet& contacts() const { return contacts_; }                 // what sticks or slips
+  const ImpulseBlocks& impulse_blocks() const { return impulses_; }        // of those of the cloth with itself
+  Eigen::Index num_impulses() const { return impulses_.friction.size(); }  // 3c, the rows of r and R
 
   double time_step() const { return record_.time_step; }  // h
   // Whether N is there, and may be asked for.
@@ -110,7 +110,7 @@ class StepDerivative {
   std::vector<ObstacleMotion> motions_;        // empty where no obstacle moves
   ContactSet contacts_;                        // of the record
   std::vector<AffineMotion> contact_motions_;  // of their obstacles there, per contact; empty where no obstacle moves
-  PairDerivative pairs_;
+  ImpulseBlocks impulses_;
 };
 
 }  // namespace clothid

@@ -7,7 +7,6 @@
 #include "sim/rollout/energy_loss.h"
 #include "sim/rollout/simulator.h"
 #include "sim/step/obstacle_motions.h"
-#include "sim/step/second_start.h"
 
 namespace clothid {
 namespace {
@@ -51,10 +50,9 @@ void AddSolve(const StepRecord& record, const SolveStart& start, const Parameter
     AddNode(contact, record, start, motions, model.mass(parameters.material, contact.candidate.node), work);
   }
   const Eigen::VectorXd velocities = model.Gather(record.velocities);
+  const SolveMotion motion{model, parameters.material, start.velocities, record.velocities};
   for (const PairContact& contact : contacts.pairs) {
-    const PairImpactNodes nodes =
-        ImpactNodes(model, parameters.material, contact.candidate, start.velocities, record.velocities);
-    AddPair(contact, record, nodes, velocities, work);
+    AddPair(contact, record, ImpactNodes(contact.candidate, motion), velocities, work);
   }
 }
 

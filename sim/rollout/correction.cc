@@ -31,14 +31,16 @@ class NodeSets {
 };
 
 std::vector<CorrectionGroup> GroupsOf(const StepRecord& record, const ClothModel& model) {
-  if (record.contacts.pairs.empty()) return {};
+  const std::vector<std::array<int, 4>> touching = record.contacts.TouchingNodes();
+  if (touching.empty()) return {};
   const int num_nodes = model.num_nodes();
   NodeSets sets(num_nodes);
   std::vector<char> touches(num_nodes, 0), stays(num_nodes, 0);
-  for (const PairContactRecord& pair : record.contacts.pairs) {
-    for (int i = 0; i < pair.features.num_nodes(); ++i) {
-      touches[pair.features.nodes[i]] = 1;
-      sets.Join(pair.features.nodes[0], pair.features.nodes[i]);
+  for (const std::array<int, 4>& nodes : touching) {
+    for (const int node : nodes) {
+      if (node < 0) continue;
+      touches[node] = 1;
+      sets.Join(nodes[0], node);
     }
   }
   for (const ContactRecord& contact : record.contacts.nodes) stays[contact.node] = 1;

@@ -102,8 +102,7 @@ std::size_t Rollout::bytes() const {
 }
 
 int CheckpointInterval(const ClothModel& model, int num_steps, std::size_t memory_limit) {
-  const std::size_t bytes_per_node =
-      (model.has_contact() ? sizeof(ContactRecord) : 0) + (model.scene().self_contact ? sizeof(PairContactRecord) : 0);
+  const std::size_t bytes_per_node = BytesPerNode(model.has_contact(), model.scene().self_contact.has_value());
   const std::size_t bytes_per_solve =
       sizeof(StepRecord) + 6 * model.num_nodes() * sizeof(double) + model.num_free() * bytes_per_node;
   const std::size_t bytes_per_step = NumStages(model.scene().integrator) * bytes_per_solve;

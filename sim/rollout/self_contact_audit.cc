@@ -1,8 +1,5 @@
 #include "sim/rollout/self_contact_audit.h"
 
-#include <algorithm>
-#include <vector>
-
 #include "sim/cloth/cloth_model.h"
 #include "sim/contact/intersections.h"
 #include "sim/contact/self_contact_search.h"
@@ -11,29 +8,12 @@
 #include "sim/rollout/simulator.h"
 
 namespace clothid {
-namespace {
-
-bool HasDependentPair(const StepRecord& record) {
-  return std::any_of(record.contacts.pairs.begin(), record.contacts.pairs.end(),
-                     [](const PairContactRecord& pair) { return !pair.has_friction; });
-}
-
-}  // namespace
 
 struct SelfContactAuditor::Search {
   Search(const Mesh& mesh, double thickness) : counter(mesh), search(mesh, thickness) {}
 
-  // The least distance of parts that are nearer than 5/4 of the thickness, m; that, where there are none.
-  double Distance(const Eigen::VectorXd& positions, double thickness) {
-    search.Find(positions, Eigen::VectorXd::Zero(positions.size()), 0.0, 0.0, &pairs);
-    double least = 1.25 * thickness;
-    for (const PairFeatures& pair : pairs) least = std::min(least, EvaluatePair(pair, positions).distance);
-    return least;
-  }
-
   IntersectionCounter counter;
   SelfContactSearch search;
-  std::vector<PairFeatures> pairs;
 };
 
 SelfContactAuditor::SelfContactAuditor(const Scene& scene)
@@ -49,7 +29,7 @@ void SelfContactAuditor::Add(const Eigen::VectorXd& positions) {
     ++audit_.num_cut;
     if (audit_.first_cut < 0) audit_.first_cut = state;
   }
-  const double violation = count > 0 ? thickness_ : thickness_ - search_->Distance(positions, thickness_);
+  const double violation = count > 0 ? thickness_ : thickness_ - search_->search.LeastDistance(positions);
   if (!(violation > audit_.violation)) return;
   audit_.violation = violation;
   audit_.deepest = state;
@@ -66,7 +46,7 @@ SelfContactAudit AuditSelfContact(const Rollout& rollout, Simulator* simulator) 
     bool is_dependent = false;
     for (int i = first; i <= last; ++i) {
       const StepRecord& record = reader.record(i);
-      is_dependent = is_dependent || HasDependentPair(record);
+      is_dependent = is_dependent || record.contacts.depend();
       if (record.ends_step()) push += StepContactWork(rollout, i, &reader, *simulator).push;
     }
     dependent_steps += is_dependent;

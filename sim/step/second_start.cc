@@ -1,17 +1,8 @@
 #include "sim/step/second_start.h"
 
-namespace clothid {
+#include "sim/contact/impact_share.h"
 
-PairImpactNodes ImpactNodes(const ClothModel& model, const Material& material, const PairCandidate& pair,
-                            const Eigen::VectorXd& start_velocities, const Eigen::VectorXd& end_velocities) {
-  PairImpactNodes nodes;
-  for (int i = 0; i < pair.features.num_nodes(); ++i) {
-    const int node = pair.features.nodes[i];
-    if (pair.blocks[i] >= 0) nodes.inverse_masses[i] = 1.0 / model.mass(material, node);
-    nodes.velocity_changes.col(i) = end_velocities.segment<3>(3 * node) - start_velocities.segment<3>(3 * node);
-  }
-  return nodes;
-}
+namespace clothid {
 
 SecondStart StartSecondStage(const ClothModel& model, const Material& material, const SolveStart& start,
                              const Eigen::VectorXd& first_positions, const Eigen::VectorXd& first_velocities,
@@ -23,20 +14,8 @@ SecondStart StartSecondStage(const ClothModel& model, const Material& material, 
         start.positions.segment<3>(3 * node) + (kSecondStageReach * time_step) * first_velocities.segment<3>(3 * node);
   }
   second.velocities = start.velocities + kSecondStageReach * (first_velocities - start.velocities);
-  for (const Contact& contact : contacts.nodes) {
-    const int node = contact.candidate.node;
-    const Eigen::Vector3d change = first_velocities.segment<3>(3 * node) - start.velocities.segment<3>(3 * node);
-    second.velocities.segment<3>(3 * node) -=
-        kSecondStageReach * ImpactVelocity(contact, model.mass(material, node), change);
-  }
-  for (const PairContact& pair : contacts.pairs) {
-    const PairImpact impact =
-        EvaluatePairImpact(pair, ImpactNodes(model, material, pair.candidate, start.velocities, first_velocities));
-    for (int i = 0; i < pair.candidate.features.num_nodes(); ++i) {
-      second.velocities.segment<3>(3 * pair.candidate.features.nodes[i]) -=
-          kSecondStageReach * impact.portions[i] * impact.velocity;
-    }
-  }
+  SubtractImpacts(contacts, {model, material, start.velocities, first_velocities}, kSecondStageReach,
+                  &second.velocities);
   return second;
 }
 

@@ -17,7 +17,6 @@
 
 #include "sim/cloth/cloth_model.h"
 #include "sim/contact/contact_set.h"
-#include "sim/contact/impact_share.h"
 #include "sim/scene/parameters.h"
 #include "sim/step/stage.h"
 
@@ -27,10 +26,6 @@ namespace clothid {
 SecondStart StartSecondStage(const ClothModel& model, const Material& material, const SolveStart& start,
                              const Eigen::VectorXd& first_positions, const Eigen::VectorXd& first_velocities,
                              double time_step, const ContactSet& contacts);
-
-// What the impact of a pair counts of its nodes; of handles the velocities of their way over a solve.
-PairImpactNodes ImpactNodes(const ClothModel& model, const Material& material, const PairCandidate& pair,
-                            const Eigen::VectorXd& start_velocities, const Eigen::VectorXd& end_velocities);
 
 // What the forces of a solve of size `time_step` need of its start: the positions x_n, or x_n and x_1 of a second
 // stage, from which C is taken, and x^ = x_n + h v_n (x_s and v_s of a second stage), `handles` where they are in

@@ -31,19 +31,12 @@ RolloutCounts& RolloutCounts::operator-=(const RolloutCounts& other) {
 void CountContactChanges(const ContactRecords& before, const ContactRecords& after, RolloutCounts* counts) {
   counts->contacts += static_cast<int>(after.nodes.size());
   counts->self_contacts += static_cast<int>(after.pairs.size());
-  Match(before.nodes, after.nodes, [&](const ContactRecord* was, const ContactRecord* is) {
-    if (is == nullptr) {
-      ++counts->nodes_left;
-    } else if (was == nullptr) {
-      ++counts->nodes_joined;
-    } else {
-      counts->branch_switches += was->branch != is->branch;
-      counts->obstacle_switches += was->obstacle != is->obstacle;
-    }
-  });
-  Match(before.pairs, after.pairs, [&](const PairContactRecord* was, const PairContactRecord* is) {
-    counts->pair_changes += was == nullptr || is == nullptr || was->branch != is->branch;
-  });
+  const ContactChanges changes = CompareContacts(before, after);
+  counts->nodes_joined += changes.joined;
+  counts->nodes_left += changes.left;
+  counts->branch_switches += changes.branches;
+  counts->obstacle_switches += changes.obstacles;
+  counts->pair_changes += changes.pairs;
 }
 
 }  // namespace clothid

@@ -4,22 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/cloth/system_matrix.h"
 #include "sim/step/second_start.h"
 
 namespace clothid {
-
-// d_j = P_jj of P = M + h c_d diag(a) + h^2 (k L + k_b Q + Q_s) + h eta L.
-double SystemDiagonal(const ClothModel& model, const Material& material, double time_step, int node) {
-  double diagonal = model.nodes().ArealSlope(material, time_step) * model.node_areas()[node];
-  for (const auto& term : model.forces().terms()) {
-    diagonal += term->LaplacianWeight(material, time_step) * model.laplacian_diagonal()[node];
-  }
-  for (const auto& term : model.forces().terms()) {
-    const auto part = term->SystemPart(material, time_step);
-    if (part) diagonal += part->weight * (*part->diagonal)[node];
-  }
-  return diagonal;
-}
 
 void AssembleStepHessian(const ClothModel& model, HessianKind kind, const ForcePoint& point, const HeldForces& held,
                          BlockMatrix* hessian) {

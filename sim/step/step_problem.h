@@ -66,9 +66,6 @@ struct StepWorkspace {
 void AssembleStepHessian(const ClothModel& model, HessianKind kind, const ForcePoint& point, const HeldForces& held,
                          BlockMatrix* hessian);
 
-// d_j of node `node` in a solve of size `time_step`, kg.
-double SystemDiagonal(const ClothModel& model, const Material& material, double time_step, int node);
-
 class StepProblem {
  public:
   // Model, parameters and workspace must outlive the problem, which has the workspace for itself. `handle_offsets` (may

@@ -1,4 +1,6 @@
-#include "sim/derivative/pair_derivative.h"
+#include "sim/contact/impulse_blocks.h"
+
+#include <vector>
 
 namespace clothid {
 namespace {
@@ -15,15 +17,16 @@ void Add(const Eigen::Matrix3d& block, Eigen::Index row, Eigen::Index column, Tr
 }  // namespace
 
 // R = r - Pi(a) with da = -d w_i dv_i and dPi/da = -S.
-PairDerivative DifferentiatePairs(const std::vector<PairContact>& contacts, const Eigen::VectorXd& start_positions,
-                                  const Eigen::VectorXd& velocities) {
-  if (contacts.empty()) return {};
-  const Eigen::Index size = start_positions.size(), num_rows = 3 * static_cast<Eigen::Index>(contacts.size());
-  PairDerivative derivative{
+ImpulseBlocks DifferentiateImpulses(const ContactSet& contacts, const Eigen::VectorXd& start_positions,
+                                    const Eigen::VectorXd& velocities) {
+  const std::vector<PairContact>& pairs = contacts.pairs;
+  if (pairs.empty()) return {};
+  const Eigen::Index size = start_positions.size(), num_rows = 3 * static_cast<Eigen::Index>(pairs.size());
+  ImpulseBlocks derivative{
       {size, num_rows}, {size, size}, {num_rows, size}, {num_rows, size}, Eigen::VectorXd(num_rows)};
   Triplets spread, weights, geometry, speeds;
   for (Eigen::Index row = 0; row < num_rows; row += 3) {
-    const PairContact& contact = contacts[row / 3];
+    const PairContact& contact = pairs[row / 3];
     const PairCandidate& pair = contact.candidate;
     const PairGeometryGradient gradient = DifferentiatePair(pair.features, start_positions);
     const Eigen::Matrix<double, 3, 12> position = PairPositionJacobian(contact, gradient, velocities);
