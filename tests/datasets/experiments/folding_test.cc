@@ -1,4 +1,4 @@
-// The scenes of datasets/folding: a cloth that meets itself does not pass through itself.
+// The scenes of datasets/folding and datasets/garment/cuff: a cloth that meets itself does not pass through itself.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -13,7 +13,7 @@ namespace {
 
 // Pairs of triangles that cut each other over the first steps of a scene.
 int NumIntersections(const std::string& name, int num_steps) {
-  const Scene scene = ReadScene(std::string(CLOTHID_SOURCE_DIR) + "/datasets/folding/" + name + ".scene.json");
+  const Scene scene = ReadScene(std::string(CLOTHID_SOURCE_DIR) + "/datasets/" + name + ".scene.json");
   Simulator simulator(scene);
   const Rollout rollout = Simulate(scene.nominal_parameters(), num_steps, &simulator);
   EXPECT_TRUE(rollout.ok()) << rollout.failure->ToString();
@@ -24,9 +24,11 @@ int NumIntersections(const std::string& name, int num_steps) {
   return count;
 }
 
-TEST(FoldingTest, AStripSlidesOnItself) { EXPECT_EQ(NumIntersections("slide", 100), 0); }
+TEST(FoldingTest, AStripSlidesOnItself) { EXPECT_EQ(NumIntersections("folding/slide", 100), 0); }
 
-TEST(FoldingTest, AClothIsFolded) { EXPECT_EQ(NumIntersections("fold", 180), 0); }
+TEST(FoldingTest, AClothIsFolded) { EXPECT_EQ(NumIntersections("folding/fold", 180), 0); }
+
+TEST(FoldingTest, ACuffIsTurnedUp) { EXPECT_EQ(NumIntersections("garment/cuff", 80), 0); }
 
 }  // namespace
 }  // namespace clothid::folding_test
