@@ -24,16 +24,21 @@ using LeadSums = Eigen::Array<double, static_cast<Eigen::Index>(kHeldLeads.size(
 // The mean squares, m^2, of what rollouts of all recordings miss or are moved by, per lead time.
 struct LeadMeans {
   LeadSums squares = LeadSums::Zero(), num = LeadSums::Zero();
+  LeadSums variances = LeadSums::Zero();  // of `squares` by noise
 
-  // `changes` over sigma; `less`: what is taken off their squares.
+  // `changes` over sigma; `less`: the variance of the noise, which is taken off their squares.
   void Add(const JudgedRows& judged, const Eigen::VectorXd& changes, double less) {
     for (Eigen::Index row = 0; row < changes.size(); ++row) {
       const auto lead = static_cast<Eigen::Index>(LeadOf(judged.leads[row]));
       squares[lead] += judged.sigma[row] * judged.sigma[row] * (changes[row] * changes[row] - less);
+      variances[lead] += 2.0 * std::pow(judged.sigma[row] * judged.sigma[row] * less, 2);
       num[lead] += 1.0;
     }
   }
   LeadSums Means() const { return squares / num.max(1.0); }
+  // Whether a mean is larger than three deviations of its noise.
+  bool IsBeyondNoise() const { return (Means() > 3.0 * Deviations()).any(); }
+  LeadSums Deviations() const { return variances.sqrt() / num.max(1.0); }  // of the means
 };
 
 // All fitted recordings, and their rollouts.
@@ -59,12 +64,18 @@ class FittedRollouts {
     ParallelFor(static_cast<int>(recordings_.size()), options.num_threads, roll);
   }
 
-  // E_l.
+  // E_l, by rollouts that err by less than what may be missing.
   LeadMeans Missed() const {
+    std::vector<Eigen::VectorXd> exact(recordings_.size());
+    const auto roll = [&](int r) {
+      exact[static_cast<std::size_t>(r)] =
+          recordings_[static_cast<std::size_t>(r)]->RollEstimate(nullptr, 0, Precision::kFull);
+    };
+    ParallelFor(static_cast<int>(recordings_.size()), options_.num_threads, roll);
     LeadMeans missed;
     for (std::size_t r = 0; r < recordings_.size(); ++r) {
       if (!recordings_[r]->judged().are_forces)
-        missed.Add(recordings_[r]->judged(), estimates_[r], recordings_[r]->noise_variance());
+        missed.Add(recordings_[r]->judged(), exact[r], recordings_[r]->noise_variance());
     }
     return missed;
   }
@@ -115,7 +126,7 @@ double WeightOf(const std::vector<RecordedMotion>& motions) {
 // x_j of forces that move by `moved` what the told one, which moves by F, leaves of E.
 Eigen::VectorXd SharesOf(const LeadMeans& missed, const LeadSums& by_told, const std::vector<LeadSums>& moved) {
   const LeadSums means = missed.Means();
-  const LeadSums scale = by_told + means.max(0.0);
+  const LeadSums scale = by_told + means.max(0.0) + missed.Deviations();
   std::vector<Eigen::Index> seen;
   for (Eigen::Index lead = 0; lead < scale.size(); ++lead) {
     if (missed.num[lead] > 0.0 && scale[lead] > 0.0) seen.push_back(lead);
@@ -157,7 +168,7 @@ std::vector<LastingForce> MatchForces(const std::vector<RecordedMotion>& motions
   if (told) forces.push_back(*told);
   const FittedRollouts rollouts(motions, blocks, values, starts, options);
   const LeadMeans missed = rollouts.Missed();
-  if (!(missed.num.sum() > 0.0)) return forces;
+  if (!(missed.num.sum() > 0.0) || !missed.IsBeyondNoise()) return forces;
   LeadSums by_told = LeadSums::Zero();
   if (told) by_told = rollouts.MovedBy(*told);
   const double length = told ? told->length : kLengthShare * ClothSize(motions.front().scene.mesh);

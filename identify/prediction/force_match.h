@@ -5,13 +5,16 @@
 // by it. So beside the force that they tell there are slower ones, with memories t_j of .1, .3 and 1 s, as smooth,
 // whose sizes are found by moments. In lead times l (up to .1, .3, 1 s, and from there on)
 //   E_l   the mean square of what the rollout of the estimates misses of its recordings, less that of the noise
+//   D_l   the standard deviation that noise leaves E_l
 //   F_l   by how much draws of the force that corrections tell move that rollout, mean square
 //   V_lj  likewise of a force of the memory t_j and the size g_j
 // and with x_j >= 0 the least of
-//   sum_l ((F_l + sum_j V_lj x_j - E_l)/(F_l + max(E_l, 0)))^2
+//   sum_l ((F_l + sum_j V_lj x_j - E_l)/(F_l + max(E_l, 0) + D_l))^2
 // the sizes are sqrt(x_j) g_j. As V is not linear in x far from 1, it is found twice, the second time at the sizes of
-// the first, and less than a thousandth of the weight is left out. Rollouts are as loose as those far from the minimum
-// of a fit. One motion tells what its model lacks in this motion: of another it may lack more, or less.
+// the first, and less than a thousandth of the weight is left out. Where no E_l is beyond 3 D_l, none is looked for.
+// The draws are those of predictions: they begin with the motion (identify/prediction/random_force.h). F and V are of
+// rollouts that are as loose as those far from the minimum of a fit, E is not. One motion tells what its model lacks in
+// this motion: of another it may lack more, or less.
 #ifndef CLOTHID_IDENTIFY_PREDICTION_FORCE_MATCH_H_
 #define CLOTHID_IDENTIFY_PREDICTION_FORCE_MATCH_H_
 

@@ -1,10 +1,12 @@
 #include "identify/prediction/random_force.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include "identify/prediction/random_streams.h"
+#include "sim/mesh/mesh.h"
 #include "sim/shell/triangle_element.h"
 
 namespace clothid {
@@ -37,7 +39,10 @@ Eigen::MatrixXd SmoothField::Smooth(const Eigen::MatrixXd& noise) const {
 }
 
 RandomForce::RandomForce(const ClothModel& cloth, int num_steps)
-    : changes_(Eigen::MatrixXd::Zero(3 * cloth.num_nodes(), num_steps)) {}
+    : changes_(Eigen::MatrixXd::Zero(3 * cloth.num_nodes(), num_steps)),
+      reach_(kMovedShare * ClothSize(cloth.scene().mesh)) {
+  if (cloth.scene().initial_velocities.isZero(0.0)) start_ = cloth.scene().initial_positions;
+}
 
 void RandomForce::Add(const LastingForce& force, const SmoothField& field, const ClothModel& cloth,
                       const Material& material, NormalStream* stream) {
@@ -56,24 +61,38 @@ void RandomForce::Add(const LastingForce& force, const SmoothField& field, const
   }
 }
 
-void RandomForce::Evaluate(int step, const StepEnds& /*ends*/, Eigen::VectorXd* positions,
+double RandomForce::MovedBy(const Eigen::VectorXd& positions) const {
+  return (positions - start_).norm() / std::sqrt(static_cast<double>(positions.size()) / 3.0);
+}
+
+double RandomForce::Share(const Eigen::VectorXd& positions) const {
+  return start_.size() == 0 ? 1.0 : std::min(1.0, MovedBy(positions) / reach_);
+}
+
+Eigen::VectorXd RandomForce::ShareGradient(const Eigen::VectorXd& positions) const {
+  const double moved = start_.size() == 0 ? reach_ : MovedBy(positions);
+  if (!(moved < reach_) || moved == 0.0) return Eigen::VectorXd::Zero(positions.size());
+  return 3.0 / (static_cast<double>(positions.size()) * reach_ * moved) * (positions - start_);
+}
+
+void RandomForce::Evaluate(int step, const StepEnds& ends, Eigen::VectorXd* positions,
                            Eigen::VectorXd* velocities) const {
   positions->setZero(changes_.rows());
-  *velocities = changes_.col(step - 1);
+  *velocities = Share(ends.end) * changes_.col(step - 1);
 }
 
-void RandomForce::Times(int /*step*/, const StepEnds& /*ends*/, const Eigen::MatrixXd& start_changes,
-                        const Eigen::MatrixXd& /*end_changes*/, Eigen::MatrixXd* positions,
+void RandomForce::Times(int step, const StepEnds& ends, const Eigen::MatrixXd& /*start_changes*/,
+                        const Eigen::MatrixXd& end_changes, Eigen::MatrixXd* positions,
                         Eigen::MatrixXd* velocities) const {
-  positions->setZero(start_changes.rows(), start_changes.cols());
-  velocities->setZero(start_changes.rows(), start_changes.cols());
+  positions->setZero(end_changes.rows(), end_changes.cols());
+  *velocities = changes_.col(step - 1) * (ShareGradient(ends.end).transpose() * end_changes);
 }
 
-void RandomForce::TimesTransposed(int /*step*/, const StepEnds& /*ends*/, const Eigen::MatrixXd& by_positions,
-                                  const Eigen::MatrixXd& /*by_velocities*/, Eigen::MatrixXd* by_start,
+void RandomForce::TimesTransposed(int step, const StepEnds& ends, const Eigen::MatrixXd& /*by_positions*/,
+                                  const Eigen::MatrixXd& by_velocities, Eigen::MatrixXd* by_start,
                                   Eigen::MatrixXd* by_end) const {
-  by_start->setZero(by_positions.rows(), by_positions.cols());
-  by_end->setZero(by_positions.rows(), by_positions.cols());
+  by_start->setZero(by_velocities.rows(), by_velocities.cols());
+  *by_end = ShareGradient(ends.end) * (changes_.col(step - 1).transpose() * by_velocities);
 }
 
 ForceSource::ForceSource(std::vector<LastingForce> parts, const ClothModel& cloth) : parts_(std::move(parts)) {

@@ -5,9 +5,15 @@
 //   z_n = (A + l^4 L^T A^-1 L)^-1 A^(1/2) w_n / c,   f_0 = s z_0,   f_{n+1} = r f_n + s sqrt(1 - r^2) z_{n+1},
 // r = exp(-h/time), and c makes the mean variance of z over the free nodes one; handles have f = 0. So f has the
 // standard deviation s, forgets itself after `time`, and is smooth over l = length sqrt(2/pi): the spectrum
-// 1/(1 + (l k)^4)^2 has |f|^2/|grad f|^2 = pi/2 l^2. After every step v <- v + h f/rho, rho the mass per area
+// 1/(1 + (l k)^4)^2 has |f|^2/|grad f|^2 = pi/2 l^2. After every step v <- v + g h f/rho, rho the mass per area
 // (sim/rollout/correction.h: what contacts leave of it). What is lacking may be the sum of several, each with a memory
 // of its own.
+//
+// A model errs in forces that come of motion: air, strain and bending beyond those of its laws. A cloth that starts at
+// rest, as it was laid or hung, begins without them. With d the root mean square of the way of its nodes from where
+// they started and D `kMovedShare` of the size of the cloth
+//   g = min(1, d/D),   dg = (x - x_0) . dx/(N D d) where d < D, else 0.
+// One that starts in motion has g = 1 throughout.
 #ifndef CLOTHID_IDENTIFY_PREDICTION_RANDOM_FORCE_H_
 #define CLOTHID_IDENTIFY_PREDICTION_RANDOM_FORCE_H_
 
@@ -41,9 +47,11 @@ class SmoothField {
   double scale_ = 1.0;                                         // 1/c
 };
 
-// Changes of velocities, the same whatever the state is.
+// Changes of velocities by how far the cloth has moved.
 class RandomForce : public Correction {
  public:
+  static constexpr double kMovedShare = 0.05;
+
   // None over `num_steps` steps of the scene of `cloth`.
   RandomForce(const ClothModel& cloth, int num_steps);
 
@@ -60,7 +68,15 @@ class RandomForce : public Correction {
                        Eigen::MatrixXd* by_end) const override;
 
  private:
-  Eigen::MatrixXd changes_;  // [3N x T] m/s, zero at handles
+  // d [m].
+  double MovedBy(const Eigen::VectorXd& positions) const;
+  // g, and its gradient [3N] by the positions.
+  double Share(const Eigen::VectorXd& positions) const;
+  Eigen::VectorXd ShareGradient(const Eigen::VectorXd& positions) const;
+
+  Eigen::MatrixXd changes_;  // [3N x T] m/s where g = 1, zero at handles
+  Eigen::VectorXd start_;    // x_0 [3N] m; empty: the cloth starts in motion
+  double reach_ = 0.0;       // D, m
 };
 
 // The forces that a model lacks, on one cloth; const functions may be called on several threads.
