@@ -82,18 +82,15 @@ ToldSpread SpreadOf(const ToldParameter& told, double quantile) {
 // The correlation of the noise of two parameters; NaN where none is told.
 using CorrelationOf = std::function<double(std::size_t i, std::size_t j)>;
 
-bool TellsInterval(const FitPosterior& posterior) {
-  return std::any_of(posterior.parameters.begin(), posterior.parameters.end(),
-                     [](const PosteriorParameter& parameter) { return !parameter.untold; });
-}
-
-// Parameters, their covariance, and those that are held.
+// Parameters, their covariance, and those that are held: all, where none has an interval.
 void SetParameters(const std::vector<ToldParameter>& told, double quantile, const CorrelationOf& correlation_of,
                    FitPosterior* posterior) {
   std::vector<std::size_t> indices;
   std::vector<ToldSpread> spreads;
+  const bool tells =
+      std::any_of(told.begin(), told.end(), [](const ToldParameter& parameter) { return parameter.HasInterval(); });
   for (std::size_t i = 0; i < told.size(); ++i) {
-    if (!told[i].HasInterval() && !told[i].parameter.untold) {
+    if (!tells || (!told[i].HasInterval() && !told[i].parameter.untold)) {
       posterior->held[told[i].parameter.name] = told[i].parameter.value;
       continue;
     }
@@ -188,7 +185,7 @@ void ReadParameters(const JsonNode& root, FitPosterior* posterior) {
     return ToldNumber(rows.Require(told[i].parameter.name, "an object"), told[j].parameter.name);
   };
   SetParameters(told, quantile, correlation_of, posterior);
-  if (!TellsInterval(*posterior)) parameters.Fail("expected one with an interval, 'lower95' to 'upper95'");
+  if (posterior->parameters.empty()) parameters.Fail("expected one with an interval, 'lower95' to 'upper95'");
 }
 
 std::vector<LastingForce> ReadForces(const JsonNode& root) {

@@ -121,6 +121,10 @@ TEST_F(PosteriorTest, OfAFitThatHasJustEndedTheSameIsDrawn) {
   uncertainty.parameters[1].visible_change = 0.1;
   summary.uncertainty = uncertainty;
   EXPECT_EQ(PosteriorOf(summary, {}).held.at("mu"), 0.0);
+  uncertainty.parameters[1].visible_change = 20.0;
+  uncertainty.parameters[0].std = std::nan("");
+  summary.uncertainty = uncertainty;
+  EXPECT_TRUE(PosteriorOf(summary, {}).parameters.empty()) << "a fit that tells no interval predicts nothing";
 }
 
 TEST_F(PosteriorTest, WhatBelongsToARecordingIsLeftOut) {
