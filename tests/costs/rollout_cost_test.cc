@@ -1,4 +1,4 @@
-// Rows, gradients, caches and failures of the cost function, in each of its forms.
+// Rows, gradients and caches of the cost function, in each of its forms.
 #include "costs/rollout_cost.h"
 
 #include <ceres/gradient_checker.h>
@@ -10,44 +10,11 @@
 #include <tuple>
 
 #include "costs/full_residual_cost.h"
+#include "tests/costs/cost_rows.h"
 #include "tests/costs/synthetic_motion.h"
 
 namespace clothid::rollout_cost_test {
 namespace {
-
-// What Ceres gets from one call.
-struct Rows {
-  bool ok = false;
-  Eigen::VectorXd residuals;
-  Eigen::MatrixXd jacobian;  // a column stays NaN where it was not asked for
-
-  double cost() const { return 0.5 * residuals.squaredNorm(); }
-  Eigen::VectorXd gradient() const { return jacobian.transpose() * residuals; }
-};
-
-Rows Evaluate(const ceres::CostFunction& cost, const Eigen::VectorXd& coordinates, const std::vector<bool>& wanted) {
-  Rows rows;
-  rows.residuals.resize(cost.num_residuals());
-  rows.jacobian.setConstant(cost.num_residuals(), coordinates.size(), std::numeric_limits<double>::quiet_NaN());
-  std::vector<const double*> parameters;
-  std::vector<double*> jacobians;
-  for (Eigen::Index i = 0; i < coordinates.size(); ++i) {
-    parameters.push_back(coordinates.data() + i);
-    jacobians.push_back(wanted[static_cast<std::size_t>(i)] ? rows.jacobian.col(i).data() : nullptr);
-  }
-  rows.ok = cost.Evaluate(parameters.data(), rows.residuals.data(), jacobians.data());
-  return rows;
-}
-
-Rows EvaluateAll(const ceres::CostFunction& cost, const Eigen::VectorXd& coordinates) {
-  return Evaluate(cost, coordinates, std::vector<bool>(static_cast<std::size_t>(coordinates.size()), true));
-}
-
-double CostAt(const ceres::CostFunction& cost, const Eigen::VectorXd& coordinates) {
-  const Rows rows = Evaluate(cost, coordinates, std::vector<bool>(static_cast<std::size_t>(coordinates.size()), false));
-  EXPECT_TRUE(rows.ok);
-  return rows.cost();
-}
 
 Eigen::VectorXd CentralDifferences(const ceres::CostFunction& cost, const Eigen::VectorXd& coordinates) {
   const double step = 1e-5;
@@ -61,28 +28,8 @@ Eigen::VectorXd CentralDifferences(const ceres::CostFunction& cost, const Eigen:
   return gradient;
 }
 
-// Expects every component to agree relative to its own size.
-void ExpectNear(const Eigen::VectorXd& a, const Eigen::VectorXd& b, double tolerance) {
-  ASSERT_EQ(a.size(), b.size());
-  for (Eigen::Index i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], tolerance * std::abs(b[i])) << "component " << i;
-}
-
-RolloutCostOptions WithJacobian(JacobianMethod method) {
-  RolloutCostOptions options;
-  options.jacobian = method;
-  return options;
-}
-
 const std::vector<std::string> kSwingNames = {"k_stretch", "k_bend", "density", "drag"};
 const std::vector<std::string> kSphereNames = {"mu", "k_stretch", "k_bend"};
-
-RecordedMotion SwingMotion() {
-  MotionOptions options;
-  options.true_values = {{"k_stretch", 90.0}, {"k_bend", 3e-3}};
-  options.frame_interval = 0.0125;  // between the steps
-  options.noise = 1e-3;
-  return MakeMotion(SwingScene(), options);
-}
 
 RecordedMotion SphereMotion() {
   MotionOptions options;
@@ -117,7 +64,7 @@ TEST_P(RolloutCostTest, GradientsAgreeWithCentralDifferences) {
       options.loss = ParseRobustLoss(loss);
       const RolloutCost cost(motion_, blocks_, options);
       const Eigen::VectorXd start = StartOf(blocks_);
-      const Rows rows = EvaluateAll(cost, start);
+      const CeresRows rows = EvaluateAll(cost, start);
       ASSERT_TRUE(rows.ok) << cost.last_failure();
       ExpectNear(rows.gradient(), CentralDifferences(cost, start), 2e-6);
       EXPECT_NEAR(rows.cost(), CostAt(cost, start), 1e-12 * rows.cost());
@@ -132,7 +79,7 @@ TEST_P(RolloutCostTest, AdjointAgreesWithSensitivities) {
     const RolloutCost adjoint(motion_, blocks_, options);
     options.jacobian = JacobianMethod::kSensitivity;
     const RolloutCost sensitivity(motion_, blocks_, options);
-    const Rows a = EvaluateAll(adjoint, StartOf(blocks_)), s = EvaluateAll(sensitivity, StartOf(blocks_));
+    const CeresRows a = EvaluateAll(adjoint, StartOf(blocks_)), s = EvaluateAll(sensitivity, StartOf(blocks_));
     ASSERT_TRUE(a.ok && s.ok);
     EXPECT_NEAR(a.cost(), s.cost(), 1e-12 * s.cost());
     ExpectNear(a.gradient(), s.gradient(), 1e-8);
@@ -154,10 +101,10 @@ TEST_P(RolloutCostTest, AdjointAgreesWithSensitivities) {
 TEST_P(RolloutCostTest, AMemoryLimitChangesNothing) {
   for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kNumeric}) {
     RolloutCostOptions options = WithJacobian(method);
-    const Rows free = EvaluateAll(RolloutCost(motion_, blocks_, options), StartOf(blocks_));
+    const CeresRows free = EvaluateAll(RolloutCost(motion_, blocks_, options), StartOf(blocks_));
     options.memory_limit = 0;
     const RolloutCost cost(motion_, blocks_, options);
-    const Rows limited = EvaluateAll(cost, StartOf(blocks_));
+    const CeresRows limited = EvaluateAll(cost, StartOf(blocks_));
     ASSERT_TRUE(free.ok && limited.ok) << cost.last_failure();
     EXPECT_NEAR(limited.cost(), free.cost(), 1e-8 * free.cost());
     ExpectNear(limited.gradient(), free.gradient(), 1e-6);
@@ -171,8 +118,8 @@ TEST_P(RolloutCostTest, AMemoryLimitChangesNothing) {
 
 TEST_P(RolloutCostTest, GaussNewtonMatrixOfSensitivitiesIsThatOfTheFullJacobian) {
   const FullResidualCost full(motion_, blocks_);
-  const Rows large = EvaluateAll(full, StartOf(blocks_));
-  const Rows small =
+  const CeresRows large = EvaluateAll(full, StartOf(blocks_));
+  const CeresRows small =
       EvaluateAll(RolloutCost(motion_, blocks_, WithJacobian(JacobianMethod::kSensitivity)), StartOf(blocks_));
   ASSERT_TRUE(large.ok && small.ok);
   EXPECT_EQ(large.residuals.size(), Observation(motion_).num_residuals());
@@ -182,7 +129,7 @@ TEST_P(RolloutCostTest, GaussNewtonMatrixOfSensitivitiesIsThatOfTheFullJacobian)
   const Eigen::MatrixXd hessian = large.jacobian.transpose() * large.jacobian;
   EXPECT_LT((small.jacobian.transpose() * small.jacobian - hessian).norm(), 1e-11 * hessian.norm());
 
-  const Rows numeric =
+  const CeresRows numeric =
       EvaluateAll(RolloutCost(motion_, blocks_, WithJacobian(JacobianMethod::kNumeric)), StartOf(blocks_));
   EXPECT_LT((numeric.jacobian.transpose() * numeric.jacobian - hessian).norm(), 1e-3 * hessian.norm());
   EXPECT_LT((numeric.gradient() - large.gradient()).norm(), 1e-3 * large.gradient().norm());
@@ -201,7 +148,7 @@ TEST_P(RolloutCostTest, RowsAreOneFunctionOfTheParameters) {
         const RolloutCost cost(motion_, blocks_, options), other(motion_, blocks_, options);
         const Eigen::VectorXd alone = Evaluate(cost, start, none).residuals;
         const CostStatistics at_trial_point = cost.statistics();
-        const Rows with = EvaluateAll(cost, start);
+        const CeresRows with = EvaluateAll(cost, start);
         ASSERT_TRUE(with.ok) << cost.last_failure();
         EXPECT_EQ(with.residuals, alone);
         EXPECT_EQ(EvaluateAll(other, start).residuals, alone);
@@ -220,11 +167,11 @@ TEST_P(RolloutCostTest, RowsAreOneFunctionOfTheParameters) {
 }
 
 TEST_P(RolloutCostTest, TheMatrixOfRobustRowsIsThatOfTheWeightedJacobian) {
-  const Rows full = EvaluateAll(FullResidualCost(motion_, blocks_), StartOf(blocks_));
+  const CeresRows full = EvaluateAll(FullResidualCost(motion_, blocks_), StartOf(blocks_));
   for (const char* loss : {"none", "huber:2", "cauchy:2"}) {
     RolloutCostOptions options = WithJacobian(JacobianMethod::kSensitivity);
     options.loss = ParseRobustLoss(loss);
-    const Rows rows = EvaluateAll(RolloutCost(motion_, blocks_, options), StartOf(blocks_));
+    const CeresRows rows = EvaluateAll(RolloutCost(motion_, blocks_, options), StartOf(blocks_));
     ASSERT_TRUE(full.ok && rows.ok);
     Eigen::VectorXd weights;
     const double cost = LossWeights(options.loss, Observation(motion_), 0, full.residuals, &weights);
@@ -249,7 +196,7 @@ TEST_P(RolloutCostTest, DifferencesOfRolloutsWidenTheSubspace) {
     near[i] += 1e-4;
     CostAt(cost, near);
   }
-  const Rows with = EvaluateAll(cost, start), without = EvaluateAll(other, start);
+  const CeresRows with = EvaluateAll(cost, start), without = EvaluateAll(other, start);
   ExpectNear(with.gradient(), without.gradient(), 1e-8);
   // One small step along every parameter: the subspace now holds the range of J.
   const double all = large.squaredNorm();
@@ -263,14 +210,14 @@ TEST_P(RolloutCostTest, AFirstForwardSweepOpensTheSubspace) {
   RolloutCost cost(motion_, blocks_, options);
   const RolloutCost sensitivity(motion_, blocks_, WithJacobian(JacobianMethod::kSensitivity));
   const Eigen::VectorXd start = StartOf(blocks_), near = start.array() + 1e-4;
-  const Rows first = EvaluateAll(cost, start);
+  const CeresRows first = EvaluateAll(cost, start);
   ASSERT_TRUE(first.ok) << cost.last_failure();
   const Eigen::MatrixXd hessian = first.jacobian.transpose() * first.jacobian;
-  const Rows exact = EvaluateAll(sensitivity, start);
+  const CeresRows exact = EvaluateAll(sensitivity, start);
   EXPECT_LT((hessian - exact.jacobian.transpose() * exact.jacobian).norm(), 1e-10 * hessian.norm());
 
   // From then on adjoint rows, in a subspace that the Jacobian of the point before has a place in.
-  const Rows second = EvaluateAll(cost, near), all = EvaluateAll(sensitivity, near);
+  const CeresRows second = EvaluateAll(cost, near), all = EvaluateAll(sensitivity, near);
   EXPECT_EQ(cost.statistics().rollouts, 2);
   EXPECT_EQ(cost.statistics().sweeps, 2);
   ExpectNear(second.gradient(), all.gradient(), 1e-8);
@@ -293,7 +240,7 @@ TEST_P(RolloutCostTest, ExactRowsComeAlongWithTheRollout) {
     Eigen::MatrixXd jacobian;
     Eigen::VectorXd residuals;
     ASSERT_TRUE(cost.Linearize(start, {}, &jacobian, &residuals)) << cost.last_failure();
-    const Rows rows = EvaluateAll(cost, start);
+    const CeresRows rows = EvaluateAll(cost, start);
     EXPECT_EQ(cost.statistics().rollouts, 1);
     EXPECT_EQ(cost.statistics().sweeps, 1);
     EXPECT_EQ(CostAt(cost, start), alone) << "the cost is one function of the parameters";
@@ -310,7 +257,7 @@ TEST_P(RolloutCostTest, RowsOfAKnownPointLeaveItsCostAlone) {
   const RolloutCost cost(motion_, blocks_, options);
   const Eigen::VectorXd start = StartOf(blocks_);
   const double alone = CostAt(cost, start);
-  const Rows rows = EvaluateAll(cost, start);
+  const CeresRows rows = EvaluateAll(cost, start);
   EXPECT_EQ(rows.cost(), alone);
   EXPECT_EQ(cost.statistics().rollouts, 2) << "the first Jacobian comes by a forward sweep also here";
   EXPECT_EQ(cost.statistics().sweeps, 1);
@@ -368,152 +315,6 @@ TEST_P(RolloutCostTest, CeresChecksTheFullJacobian) {
   }
 }
 
-TEST(RolloutCostCallsTest, AnswersWhatIsAskedFor) {
-  const RecordedMotion motion = SwingMotion();
-  const std::vector<ParameterBlock> blocks = MakeBlocks(motion.scene, {"k_stretch", "k_bend"});
-  for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity, JacobianMethod::kNumeric}) {
-    const RolloutCost cost(motion, blocks, WithJacobian(method));
-    const Rows all = EvaluateAll(cost, StartOf(blocks));
-    const RolloutCost fresh(motion, blocks, WithJacobian(method));
-    const Rows second = Evaluate(fresh, StartOf(blocks), {false, true});
-    ASSERT_TRUE(second.ok);
-    EXPECT_TRUE(second.jacobian.col(0).array().isNaN().all());
-    EXPECT_NEAR(second.gradient()[1], all.gradient()[1], 1e-10 * std::abs(all.gradient()[1]));
-    // What was left out the first time is differentiated when it is asked for.
-    ExpectNear(EvaluateAll(fresh, StartOf(blocks)).gradient(), all.gradient(), 1e-10);
-
-    const Eigen::VectorXd start = StartOf(blocks);
-    const double* parameters[] = {start.data(), start.data() + 1};
-    Eigen::VectorXd residuals(cost.num_residuals());
-    ASSERT_TRUE(cost.Evaluate(parameters, residuals.data(), nullptr));
-    EXPECT_EQ(residuals, all.residuals);
-    EXPECT_EQ(residuals.head(residuals.size() - 1).norm(), 0.0);
-  }
-}
-
-TEST(RolloutCostCallsTest, DoesNothingTwice) {
-  const RecordedMotion motion = SwingMotion();
-  const std::vector<ParameterBlock> blocks = MakeBlocks(motion.scene, {"k_stretch", "k_bend"});
-  const Eigen::VectorXd start = StartOf(blocks);
-  const auto run = [&](JacobianMethod method) {
-    const RolloutCost cost(motion, blocks, WithJacobian(method));
-    const double first = CostAt(cost, start);
-    EXPECT_EQ(CostAt(cost, start), first);
-    EvaluateAll(cost, start);
-    EvaluateAll(cost, start);
-    Eigen::MatrixXd predicted;
-    EXPECT_TRUE(cost.Predict(start, &predicted));
-    return cost.statistics();
-  };
-  const CostStatistics adjoint = run(JacobianMethod::kAdjoint), sensitivity = run(JacobianMethod::kSensitivity),
-                       numeric = run(JacobianMethod::kNumeric);
-  EXPECT_EQ(adjoint.rollouts, 1);
-  EXPECT_EQ(adjoint.sweeps, 1);
-  EXPECT_EQ(sensitivity.rollouts, 1);
-  EXPECT_EQ(sensitivity.sweeps, 1);
-  EXPECT_EQ(numeric.rollouts, 3);
-  EXPECT_EQ(numeric.sweeps, 0);
-  EXPECT_EQ(adjoint.counts.steps, 20);
-  EXPECT_EQ(numeric.counts.steps, 60);
-}
-
-TEST(RolloutCostCallsTest, FrozenBlocksHaveNoGradient) {
-  const RecordedMotion motion = SwingMotion();
-  std::vector<ParameterBlock> blocks = MakeBlocks(motion.scene, {"k_stretch", "k_bend"});
-  blocks[0].frozen = true;
-  for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity}) {
-    const RolloutCost cost(motion, blocks, WithJacobian(method));
-    double value = 0.0;
-    Eigen::VectorXd gradient;
-    ASSERT_TRUE(cost.EvaluateGradient(StartOf(blocks), &value, &gradient));
-    EXPECT_EQ(gradient[0], 0.0);
-    EXPECT_NE(gradient[1], 0.0);
-  }
-}
-
-TEST(RolloutCostCallsTest, ZeroResidualHasZeroGradient) {
-  const RecordedMotion motion = MakeMotion(SwingScene(), {});
-  const std::vector<ParameterBlock> blocks = MakeBlocks(motion.scene, {"k_stretch"});
-  const RolloutCost cost(motion, blocks, WithJacobian(JacobianMethod::kAdjoint));
-  const Rows rows = EvaluateAll(cost, StartOf(blocks));
-  ASSERT_TRUE(rows.ok) << cost.last_failure();
-  EXPECT_LT(rows.cost(), 1e-15);
-  EXPECT_GT(rows.jacobian.norm(), 0.0);  // the modes still tell the curvature
-}
-
-TEST(RolloutCostCallsTest, FailuresReturnFalseWithAReason) {
-  const RecordedMotion motion = SwingMotion();
-  const std::vector<ParameterBlock> blocks = MakeBlocks(motion.scene, {"k_stretch"});
-  std::atomic<bool> cancel{false};
-  for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity, JacobianMethod::kNumeric}) {
-    cancel = false;
-    RolloutCostOptions options = WithJacobian(method);
-    options.cancel = &cancel;
-    const RolloutCost cost(motion, blocks, options);
-    for (double bad : {std::numeric_limits<double>::quiet_NaN(), 1e4}) {  // exp(1e4) overflows
-      EXPECT_FALSE(EvaluateAll(cost, Eigen::VectorXd::Constant(1, bad)).ok);
-      EXPECT_NE(cost.last_failure().find("synthetic: "), std::string::npos) << cost.last_failure();
-    }
-    EXPECT_TRUE(EvaluateAll(cost, StartOf(blocks)).ok);
-    EXPECT_TRUE(cost.last_failure().empty()) << cost.last_failure();
-    cancel = true;
-    EXPECT_FALSE(EvaluateAll(cost, StartOf(blocks).array() + 0.1).ok);
-    EXPECT_FALSE(cost.last_failure().empty());
-    Eigen::MatrixXd predicted;
-    EXPECT_FALSE(cost.Predict(StartOf(blocks).array() + 0.1, &predicted));
-    EXPECT_TRUE(EvaluateAll(cost, StartOf(blocks)).ok) << "cached before";
-  }
-}
-
-// Somebody stopped it, so nothing is known of the point.
-TEST(RolloutCostCallsTest, WhatWasCancelledIsEvaluatedWhenItIsAskedForAgain) {
-  const RecordedMotion motion = SwingMotion();
-  const std::vector<ParameterBlock> blocks = MakeBlocks(motion.scene, {"k_stretch", "k_bend"});
-  const Eigen::VectorXd start = StartOf(blocks);
-  for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity, JacobianMethod::kNumeric}) {
-    std::atomic<bool> cancel{false};
-    RolloutCostOptions options = WithJacobian(method);
-    const Rows expected = EvaluateAll(RolloutCost(motion, blocks, options), start);
-    options.cancel = &cancel;
-    const RolloutCost cost(motion, blocks, options);
-    cancel = true;
-    EXPECT_FALSE(EvaluateAll(cost, start).ok);
-    EXPECT_FALSE(cost.last_failure().empty());
-    cancel = false;
-    const Rows rows = EvaluateAll(cost, start);
-    ASSERT_TRUE(rows.ok) << cost.last_failure();
-    EXPECT_TRUE(cost.last_failure().empty());
-    EXPECT_EQ(rows.residuals, expected.residuals);
-    ExpectNear(rows.gradient(), expected.gradient(), 1e-12);
-
-    // What was known before stays known: the cost, where exact rows were cancelled.
-    const Eigen::VectorXd near = start.array() + 1e-3;
-    const double value = CostAt(cost, near);
-    const int rollouts = cost.statistics().rollouts;
-    cancel = true;
-    Eigen::MatrixXd jacobian;
-    Eigen::VectorXd residuals;
-    EXPECT_EQ(cost.Linearize(near, {}, &jacobian, &residuals), method == JacobianMethod::kSensitivity);
-    const int cancelled = cost.statistics().rollouts - rollouts;
-    EXPECT_EQ(CostAt(cost, near), value);
-    cancel = false;
-    EXPECT_EQ(CostAt(cost, near), value);
-    EXPECT_EQ(cost.statistics().rollouts, rollouts + cancelled);
-    EXPECT_TRUE(cost.Linearize(near, {}, &jacobian, &residuals)) << cost.last_failure();
-  }
-}
-
-TEST(RolloutCostCallsTest, AStepThatDoesNotConvergeIsNamed) {
-  RecordedMotion motion = SwingMotion();
-  motion.scene.solver.step_tolerance = 1e-15;  // below rounding
-  motion.scene.solver.max_newton_iterations = 1;
-  motion.scene.solver.max_substep_halvings = 0;
-  const std::vector<ParameterBlock> blocks = MakeBlocks(motion.scene, {"k_stretch"});
-  const RolloutCost cost(motion, blocks, {});
-  ASSERT_FALSE(EvaluateAll(cost, StartOf(blocks)).ok);
-  EXPECT_NE(cost.last_failure().find("step "), std::string::npos) << cost.last_failure();
-}
-
 TEST(RolloutCostTest, LinearizationIsThatOfTheFullResidualWithEveryMethod) {
   const Scene scene = SphereScene();
   MotionOptions truth;
@@ -521,7 +322,7 @@ TEST(RolloutCostTest, LinearizationIsThatOfTheFullResidualWithEveryMethod) {
   const RecordedMotion motion = MakeMotion(scene, truth);
   const std::vector<ParameterBlock> blocks = MakeBlocks(scene, {"mu", "k_stretch", "density"});
   const Eigen::VectorXd start = StartOf(blocks);
-  const Rows full = EvaluateAll(FullResidualCost(motion, blocks), start);
+  const CeresRows full = EvaluateAll(FullResidualCost(motion, blocks), start);
   const Eigen::MatrixXd hessian = full.jacobian.transpose() * full.jacobian;
   for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity, JacobianMethod::kNumeric}) {
     RolloutCostOptions options;
@@ -545,7 +346,7 @@ TEST(RolloutCostTest, PullsBackWhatTheFullJacobianDoes) {
   const RecordedMotion motion = SphereMotion();
   const std::vector<ParameterBlock> blocks = MakeBlocks(motion.scene, kSphereNames);
   const Eigen::VectorXd start = StartOf(blocks);
-  const Rows full = EvaluateAll(FullResidualCost(motion, blocks), start);
+  const CeresRows full = EvaluateAll(FullResidualCost(motion, blocks), start);
   Eigen::MatrixXd here;
   ASSERT_TRUE(RolloutCost(motion, blocks, {}).Predict(start, &here));
   const Eigen::MatrixXd there = 1.01 * here;
