@@ -3,15 +3,14 @@
 //
 // With c the change that the prediction sees from bound to bound, R the range of q between them and s the scale of
 // residuals (identify/uncertainty/uncertainty.h):
-//   - Of one that stands at its bound and is visible the recording tells that it lies near it, as far as its derivative
-//     goes there: q follows the half of a normal distribution about the bound that lies inside, of the standard
-//     deviation max(1, s) R/c, the others moving along.
+//   - Of one that stands at its bound and is visible, the recording tells that it lies near it, as far as its
+//     derivative goes there: q follows the half of a normal distribution about the bound that lies inside, of the
+//     standard deviation max(1, s) R/c, the others moving along.
 //   - Of one whose own derivative shows nothing, and that no other undoes, every q that was believed before is as
-//   likely:
-//     from bound to bound, at most a factor of 1e4 about their middle, less what is excluded
+//     likely: from bound to bound, at most a factor of 1e4 about their middle, less what is excluded
 //     (identify/checks/excluded_side.h). Its estimate is where the fit has left it.
-// Nothing is told of others: that are hidden together, as stiffness and density are, keep what they have in common, and
-// those that stalled are not known to be anywhere.
+// Of others there is no range: those that are hidden together, as stiffness and density are, keep what they have in
+// common, and those that stalled are not known to be anywhere.
 #ifndef CLOTHID_IDENTIFY_UNCERTAINTY_UNTOLD_RANGE_H_
 #define CLOTHID_IDENTIFY_UNCERTAINTY_UNTOLD_RANGE_H_
 
