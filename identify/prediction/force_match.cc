@@ -56,22 +56,11 @@ class FittedRollouts {
       recordings_.push_back(std::make_unique<HeldRecording>(motions[r], static_cast<int>(r), static_cast<int>(r),
                                                             starts[r], blocks, values, nothing_drawn_, band_options_));
     }
-    estimates_.resize(recordings_.size());
-    const auto roll = [&](int r) {
-      estimates_[static_cast<std::size_t>(r)] =
-          recordings_[static_cast<std::size_t>(r)]->RollEstimate(nullptr, 0, Precision::kLoose);
-    };
-    ParallelFor(static_cast<int>(recordings_.size()), options.num_threads, roll);
   }
 
   // E_l, by rollouts that err by less than what may be missing.
   LeadMeans Missed() const {
-    std::vector<Eigen::VectorXd> exact(recordings_.size());
-    const auto roll = [&](int r) {
-      exact[static_cast<std::size_t>(r)] =
-          recordings_[static_cast<std::size_t>(r)]->RollEstimate(nullptr, 0, Precision::kFull);
-    };
-    ParallelFor(static_cast<int>(recordings_.size()), options_.num_threads, roll);
+    const std::vector<Eigen::VectorXd> exact = RollEstimates(Precision::kFull);
     LeadMeans missed;
     for (std::size_t r = 0; r < recordings_.size(); ++r) {
       if (!recordings_[r]->judged().are_forces)
@@ -79,6 +68,9 @@ class FittedRollouts {
     }
     return missed;
   }
+
+  // For `MovedBy`.
+  void RollLoosely() { estimates_ = RollEstimates(Precision::kLoose); }
 
   // What draws of `force` move.
   LeadSums MovedBy(const LastingForce& force) const {
@@ -103,13 +95,23 @@ class FittedRollouts {
   }
 
  private:
+  // One per recording, as of `HeldRecording::RollEstimate`, without forces.
+  std::vector<Eigen::VectorXd> RollEstimates(Precision precision) const {
+    std::vector<Eigen::VectorXd> estimates(recordings_.size());
+    const auto roll = [&](int r) {
+      const auto index = static_cast<std::size_t>(r);
+      estimates[index] = recordings_[index]->RollEstimate(nullptr, 0, precision);
+    };
+    ParallelFor(static_cast<int>(recordings_.size()), options_.num_threads, roll);
+    return estimates;
+  }
   bool IsCancelled() const { return options_.cancel != nullptr && *options_.cancel; }
 
   const ForceMatchOptions& options_;
   HeldBandOptions band_options_;
   FitPosterior nothing_drawn_;
   std::vector<std::unique_ptr<HeldRecording>> recordings_;
-  std::vector<Eigen::VectorXd> estimates_;  // as of `RollEstimate`
+  std::vector<Eigen::VectorXd> estimates_;  // loose ones
 };
 
 // N/m^2: rho g of all cloths, or of any where there is no gravity.
@@ -166,9 +168,10 @@ std::vector<LastingForce> MatchForces(const std::vector<RecordedMotion>& motions
                                       const ForceMatchOptions& options) {
   std::vector<LastingForce> forces;
   if (told) forces.push_back(*told);
-  const FittedRollouts rollouts(motions, blocks, values, starts, options);
+  FittedRollouts rollouts(motions, blocks, values, starts, options);
   const LeadMeans missed = rollouts.Missed();
   if (!(missed.num.sum() > 0.0) || !missed.IsBeyondNoise()) return forces;
+  rollouts.RollLoosely();
   LeadSums by_told = LeadSums::Zero();
   if (told) by_told = rollouts.MovedBy(*told);
   const double length = told ? told->length : kLengthShare * ClothSize(motions.front().scene.mesh);
