@@ -94,7 +94,7 @@ const Eigen::VectorXd& StepJacobian::ReducedValues(const BlockMatrix& matrix) {
 std::shared_ptr<const CholeskyFactor> StepJacobian::FactorWithPairs() {
   if (pattern_ == nullptr || !pattern_->Covers(pairs_->ClosedBlocks())) {
     const ScopedTimer timer(&seconds_.factorization);
-    pattern_ = std::make_shared<const WidePattern>(*model_.pattern(), pairs_->blocks());
+    pattern_ = std::make_shared<const WidePattern>(*model_.pattern(), pairs_->blocks(), pattern_.get());
   }
   BlockMatrix wide = pattern_->Widened(*hessian_);
   pairs_->AddAugmented(&wide);

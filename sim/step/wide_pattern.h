@@ -17,8 +17,9 @@ namespace clothid {
 
 class WidePattern {
  public:
-  // `cliques`: blocks that are coupled with each other; -1: none.
-  WidePattern(const BlockPattern& pattern, const std::vector<std::array<int, 4>>& cliques);
+  // `cliques`: blocks that are coupled with each other; -1: none. `before` (may be null): of the same blocks with other
+  // cliques, whose order of elimination is taken over for as long as a factor takes little more work in it.
+  WidePattern(const BlockPattern& pattern, const std::vector<std::array<int, 4>>& cliques, const WidePattern* before);
 
   bool Covers(const std::vector<std::array<int, 4>>& cliques) const;
 
@@ -30,12 +31,17 @@ class WidePattern {
   // With a factor that was made here [3 n x s].
   Eigen::MatrixXd Solve(const CholeskyFactor& factor, const Eigen::MatrixXd& right, ThreadTeam* team = nullptr) const;
 
-  // As of CholeskySolver, the one over the other.
+  double flops() const { return cholesky_->num_flops(); }  // as of CholeskySolver
+  // That and its entries, the one over the other.
   double flops_per_entry() const { return cholesky_->num_flops() / cholesky_->num_entries(); }
   std::size_t bytes() const;  // of its indices, roughly
 
  private:
+  void Analyze(const std::vector<std::vector<int>>& neighbours, std::vector<int> order);
+
   std::shared_ptr<const BlockPattern> pattern_;  // as its blocks are numbered
+  std::vector<int> order_;                       // of elimination
+  double first_flops_ = 0.0;                     // of a factor where the order was made
   std::vector<int> places_;                      // of blocks in the order of elimination
   std::unique_ptr<CholeskySolver> cholesky_;
   Eigen::VectorXi ordered_;  // where a value is in the order of elimination
