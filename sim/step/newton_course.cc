@@ -66,10 +66,10 @@ class ObstacleCourse : public NewtonCourse {
   IterationPlan Next(const StepPoint& point, const StepPoint& before, double goal) override {
     IterationPlan plan;
     // Without candidates the responses are those of an earlier step.
-    plan.is_swept = problem_.contacts().may_touch() && iteration_ < kSweptIterations;
-    const bool changes =
-        plan.is_swept && (iteration_ == 0 ? InContact(point) : BranchesDiffer(point.responses, before.responses));
-    plan.forcing = Forcing(point, changes, goal);
+    const bool may_change = problem_.contacts().may_touch() && iteration_ < kSweptIterations;
+    plan.is_swept =
+        may_change && (iteration_ == 0 ? InContact(point) : BranchesDiffer(point.responses, before.responses));
+    plan.forcing = Forcing(point, plan.is_swept, goal);
     const bool cycles = iteration_ >= 2 && point.relative_residual > kSlowProgress * before_last_ &&
                         change_.dot(last_change_) < -kReversal * change_.norm() * last_change_.norm();
     first_length_ = cycles ? std::max(0.5 * first_length_, kShortestFirstLength) : std::min(2.0 * first_length_, 1.0);
