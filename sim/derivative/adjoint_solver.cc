@@ -78,7 +78,7 @@ bool AdjointSolver::SolveByIteration(const StepRecord& record, const StepDerivat
     work->iterations += result.iterations;
     if (!result.converged) return false;
   } else {
-    const GmresResult result = Gmres(multiply, precondition, right, threshold_, kMaxIterations, z);
+    const GmresResult result = Gmres(multiply, precondition, right, threshold_, {kMaxIterations}, z);
     work->iterations += result.iterations;
     if (!result.converged) return false;
   }

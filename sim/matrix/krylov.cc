@@ -8,12 +8,15 @@
 namespace clothid {
 namespace {
 
+constexpr int kProbe = 6;  // iterations, before which no rate is judged
+
 // The small least-squares problem of one column of GMRES: its Hessenberg matrix, made triangular on the way.
 class ArnoldiColumn {
  public:
   ArnoldiColumn(double norm, double tolerance, int max_iterations)
       : triangle_(max_iterations + 1, max_iterations),
         projected_(Eigen::VectorXd::Zero(max_iterations + 1)),
+        norm_(norm),
         goal_(tolerance * norm),
         active_(norm > 0.0) {
     projected_[0] = norm;
@@ -21,6 +24,11 @@ class ArnoldiColumn {
 
   bool active() const { return active_; }  // iterates on
   bool failed() const { return failed_; }
+  // Whether `most` iterations would not reach the goal at the mean rate so far.
+  bool is_too_slow(int most) const {
+    if (!active_ || size_ < kProbe) return false;
+    return most * std::log(std::abs(projected_[size_]) / norm_) > size_ * std::log(goal_ / norm_);
+  }
 
   // Orthogonalises `next` against the column `c` of the k + 1 basis matrices and normalises it.
   void Extend(const std::vector<Eigen::MatrixXd>& basis, Eigen::Index c, Eigen::Ref<Eigen::VectorXd> next) {
@@ -54,7 +62,7 @@ class ArnoldiColumn {
   Eigen::MatrixXd triangle_;  // filled column by column, so most of it is never touched
   Eigen::VectorXd projected_;
   std::vector<Eigen::JacobiRotation<double>> rotations_;
-  double goal_;
+  double norm_, goal_;  // of the residual, at the start and asked for
   int size_ = 0;
   bool active_, failed_ = false;
 };
@@ -62,19 +70,23 @@ class ArnoldiColumn {
 }  // namespace
 
 GmresResult Gmres(const LinearMap& multiply, const LinearMap& precondition, const Eigen::MatrixXd& right,
-                  double tolerance, int max_iterations, Eigen::MatrixXd* solution) {
+                  double tolerance, const IterationLimit& limit, Eigen::MatrixXd* solution) {
   GmresResult result;
   std::vector<ArnoldiColumn> columns;
   std::vector<Eigen::MatrixXd> basis = {right}, preconditioned;
   for (Eigen::Index c = 0; c < right.cols(); ++c) {
     const double norm = right.col(c).norm();
-    columns.emplace_back(norm, tolerance, max_iterations);
+    columns.emplace_back(norm, tolerance, limit.most);
     if (norm > 0.0) basis[0].col(c) /= norm;
   }
   const auto any_active = [&columns] {
     return std::any_of(columns.begin(), columns.end(), [](const ArnoldiColumn& column) { return column.active(); });
   };
-  while (any_active() && result.iterations < max_iterations) {
+  const auto is_too_slow = [&] {
+    return limit.gives_up && std::any_of(columns.begin(), columns.end(),
+                                         [&](const ArnoldiColumn& column) { return column.is_too_slow(limit.most); });
+  };
+  while (any_active() && !is_too_slow() && result.iterations < limit.most) {
     preconditioned.push_back(precondition(basis[result.iterations]));
     basis.push_back(multiply(preconditioned.back()));
     for (Eigen::Index c = 0; c < right.cols(); ++c) {

@@ -9,6 +9,13 @@ namespace clothid {
 
 using LinearMap = std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)>;
 
+struct IterationLimit {
+  int most;
+  // Ends after six iterations or more where the mean reduction so far would not reach the tolerance in `most`: for whom
+  // there is another way than to wait.
+  bool gives_up = false;
+};
+
 struct GmresResult {
   bool converged = false;  // every column
   int iterations = 0;      // of the slowest column
@@ -18,7 +25,7 @@ struct GmresResult {
 // |b - A x| <= tolerance |b|, for the columns of `right` [n x s] side by side: each has its own Krylov space, and the
 // products are taken with all of them at once. `precondition` applies P^-1.
 GmresResult Gmres(const LinearMap& multiply, const LinearMap& precondition, const Eigen::MatrixXd& right,
-                  double tolerance, int max_iterations, Eigen::MatrixXd* solution);
+                  double tolerance, const IterationLimit& limit, Eigen::MatrixXd* solution);
 
 using VectorMap = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
 

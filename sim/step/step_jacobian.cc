@@ -15,9 +15,9 @@ constexpr int kMaxKrylovIterations = 60;
 constexpr int kMaxPairIterations = 120;  // likewise, where pairs are in contact
 // With the factor of another point: where it takes more, a new factor is cheaper.
 constexpr int kMaxLaggedIterations = 24;
-// Likewise, where pairs are in contact, and no more digits are asked for than this.
+// Likewise, where pairs are in contact, and no more digits are asked for than ...
 constexpr int kMaxLaggedPairIterations = 15;
-constexpr double kFewDigits = 1e-6;
+constexpr double kFewDigits = 1e-6;  // ... this, which is also what a solve that is too slow gives up
 // Preconditioners from this size on are in single precision: 24 x 24 nodes have 0.7 to 2 MB. Smaller ones are not
 // waited for, and would gain less than a twentieth.
 constexpr std::size_t kSinglePrecisionBytes = 512 * 1024;
@@ -223,10 +223,11 @@ bool StepJacobian::SolveReduced(Direction direction, const Eigen::MatrixXd& righ
     return true;
   }
   if (!has_pairs() && !has_coupling() && right.cols() == 1) return SolveByConjugateGradients(right, tolerance, q);
-  const bool is_short = has_pairs() && !factor_is_of_point_ && tolerance > kFewDigits;
-  const GmresResult result = Gmres([&](const Eigen::MatrixXd& v) { return ApplyReduced(direction, v); },
-                                   [&](const Eigen::MatrixXd& v) { return Precondition(v); }, right, tolerance,
-                                   is_short ? kMaxLaggedPairIterations : MostIterations(), q);
+  const bool has_alternative = !factor_is_of_point_ && tolerance > kFewDigits;
+  const int most = has_alternative && has_pairs() ? kMaxLaggedPairIterations : MostIterations();
+  const GmresResult result =
+      Gmres([&](const Eigen::MatrixXd& v) { return ApplyReduced(direction, v); },
+            [&](const Eigen::MatrixXd& v) { return Precondition(v); }, right, tolerance, {most, has_alternative}, q);
   iterations_ = result.iterations;
   if (!result.converged || (has_pairs() && !q->allFinite())) return false;
   if (direction == Direction::kTransposed || factor_is_of_point_ || right.cols() != 1) return true;

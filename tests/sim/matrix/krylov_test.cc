@@ -25,14 +25,32 @@ TEST_F(KrylovTest, GmresSolvesColumnsOfDifferentDifficulty) {
     return result;
   };
   const auto multiply = [&](const Eigen::MatrixXd& v) -> Eigen::MatrixXd { return matrix.view() * v; };
-  const GmresResult result = Gmres(multiply, precondition, right, 1e-11, 60, &solution);
+  const GmresResult result = Gmres(multiply, precondition, right, 1e-11, {60}, &solution);
   EXPECT_TRUE(result.converged);
   EXPECT_GT(result.iterations, 2);
   EXPECT_EQ(solution.col(1).norm(), 0.0);
   for (const int c : {0, 2, 3}) {
     EXPECT_LT((matrix.view() * solution.col(c) - right.col(c)).norm(), 1e-10 * right.col(c).norm()) << c;
   }
-  EXPECT_FALSE(Gmres(multiply, precondition, right, 1e-11, 2, &solution).converged);
+  EXPECT_FALSE(Gmres(multiply, precondition, right, 1e-11, {2}, &solution).converged);
+}
+
+// The eigenvalues 1 .. 100 without a preconditioner: 45 iterations for ten digits.
+TEST_F(KrylovTest, GmresGivesUpWhereItIsTooSlow) {
+  const Eigen::VectorXd eigenvalues = Eigen::VectorXd::LinSpaced(100, 1.0, 100.0);
+  const auto multiply = [&](const Eigen::MatrixXd& v) -> Eigen::MatrixXd { return eigenvalues.asDiagonal() * v; };
+  const auto precondition = [](const Eigen::MatrixXd& v) { return v; };
+  const Eigen::MatrixXd right = Eigen::VectorXd::Ones(100);
+  Eigen::MatrixXd solution;
+  const GmresResult patient = Gmres(multiply, precondition, right, 1e-10, {100}, &solution);
+  EXPECT_TRUE(patient.converged);
+  EXPECT_GT(patient.iterations, 30);
+  const GmresResult impatient = Gmres(multiply, precondition, right, 1e-10, {24, true}, &solution);
+  EXPECT_FALSE(impatient.converged);
+  EXPECT_EQ(impatient.iterations, 6);
+  const GmresResult quick = Gmres(multiply, precondition, right, 0.1, {24, true}, &solution);
+  EXPECT_TRUE(quick.converged);
+  EXPECT_GT(quick.iterations, 6);
 }
 
 TEST_F(KrylovTest, ConjugateGradientsSolveAndMeetNegativeCurvature) {
