@@ -23,6 +23,7 @@ constexpr double kHole = 3.0;            // of the usual interval of the path
 constexpr double kMovedAcross = 0.25;    // of the spacing: what handles moved within a hole
 constexpr Eigen::Index kFewSamples = 5;  // at an end of a path, that tell its speed
 constexpr double kMoving = 0.2;          // of the median step: the cloth did not come to rest
+constexpr double kOnObstacle = 1e-6;     // of the cloth's size, from an obstacle: on it
 
 Finding CheckFrameRate(const CheckedMotion& checked) {
   const Eigen::VectorXd& times = checked.motion.times;
@@ -146,7 +147,20 @@ bool SeesCloth(const CheckedMotion& checked, int frame) {
   return false;
 }
 
-// Frames that repeat the one before although the cloth moves. A cloth that comes to rest slows down first.
+// Whether all that is seen lies on obstacles.
+bool LiesOnObstacles(const CheckedMotion& checked, int frame) {
+  const double time = checked.motion.times[frame], far = kOnObstacle * checked.cloth_size;
+  const Eigen::Matrix3Xd places = checked.Places(frame);
+  return std::all_of(places.colwise().begin(), places.colwise().end(), [&](const auto& place) {
+    return std::any_of(checked.motion.scene.obstacles.begin(), checked.motion.scene.obstacles.end(),
+                       [&](const SceneObstacle& obstacle) {
+                         return obstacle.ShapeAt(time)->Closest(place).gap < obstacle.contact_distance + far;
+                       });
+  });
+}
+
+// Frames that repeat the one before although the cloth moves. A cloth that comes to rest slows down first, unless it
+// lands flat, as a simulated one may.
 std::vector<int> RepeatedFrames(const CheckedMotion& checked) {
   const RecordedMotion& motion = checked.motion;
   const int num_frames = motion.num_frames();
@@ -168,7 +182,8 @@ std::vector<int> RepeatedFrames(const CheckedMotion& checked) {
     if (steps[frame] != 0.0) continue;
     int end = frame;
     while (end < num_frames && steps[end] == 0.0) ++end;
-    if (std::fmax(steps[frame - 1], steps[end]) > least) {
+    const bool has_landed = end == num_frames && LiesOnObstacles(checked, end - 1);
+    if (std::fmax(steps[frame - 1], steps[end]) > least && !has_landed) {
       for (int k = frame; k < end; ++k) repeated.push_back(k);
     }
     frame = end;

@@ -31,7 +31,8 @@ StepProblem::StepProblem(const ClothModel& model, const Parameters& parameters, 
       parameters_(parameters),
       work_(*workspace),
       time_step_(times.time_step),
-      end_time_(times.end_time) {
+      end_time_(times.end_time),
+      stage_(times.stage) {
   const bool changed = work_.time_step != time_step_ || !(work_.material == parameters.material);
   if (changed) SetConstants();
   if (changed || model.nodes().drag() != nullptr) SetExternalImpulse();  // the wind changes with time

@@ -78,6 +78,7 @@ class StepProblem {
 
   double time_step() const { return time_step_; }
   double end_time() const { return end_time_; }
+  Stage stage() const { return stage_; }
   const Eigen::VectorXd& start_velocities() const { return work_.start_velocities; }  // v_n
   const StepContacts& contacts() const { return work_.contacts; }                     // that there may be
   double friction_coefficient(int candidate) const;                                   // mu of its obstacle
@@ -138,6 +139,7 @@ class StepProblem {
   const Parameters& parameters_;
   StepWorkspace& work_;
   double time_step_, end_time_;
+  Stage stage_;
   std::vector<double> eased_friction_;  // of WithFriction; empty: that of the parameters
   double eased_self_friction_ = 0.0;    // likewise, where
   bool is_eased_ = false;

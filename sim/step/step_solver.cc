@@ -35,12 +35,13 @@ double StepSolver::Tolerance(const StepProblem& problem, double tolerance, const
   return std::max(tolerance, problem.RoundingFloor(point));
 }
 
-// From v_n, or from where the acceleration of the last step leads, whichever has the smaller residual.
+// From v_n, or from where the accelerations of past steps lead, whichever has the smaller residual.
 void StepSolver::Start(const Task& task, StepPoint* point) {
   const StepProblem& problem = task.problem;
   StartAt(problem, problem.start_velocities(), point);
-  if (acceleration_.size() == 0) return;
-  StartAtBetter(task, problem.start_velocities() + problem.time_step() * acceleration_, point);
+  const Eigen::VectorXd acceleration = past_.Guess(problem.stage());
+  if (acceleration.size() == 0) return;
+  StartAtBetter(task, problem.start_velocities() + problem.time_step() * acceleration, point);
 }
 
 void StepSolver::StartAtBetter(const Task& task, const Eigen::VectorXd& velocities, StepPoint* point) {
@@ -97,11 +98,12 @@ void StepSolver::KeepImpulses(const StepProblem& problem, const StepPoint& point
 }
 
 bool StepSolver::SolveFrom(const Task& task, StepPoint* point) {
-  acceleration_.resize(0);
+  const StepProblem& problem = task.problem;
   if (Newton(task, point)) {
-    acceleration_ = (point->velocities - task.problem.start_velocities()) / task.problem.time_step();
+    past_.Add(problem.stage(), (point->velocities - problem.start_velocities()) / problem.time_step());
     return true;
   }
+  past_.Clear();
   return std::isfinite(point->relative_residual) && ContinueInFriction(task, point);
 }
 
@@ -151,7 +153,7 @@ void StepSolver::Evaluate(const StepProblem& problem, const Eigen::VectorXd& vel
 
 void StepSolver::Reset(bool end_with_factors) {
   jacobian_.Reset();
-  acceleration_.resize(0);
+  past_.Clear();
   memory_.clear();
   ends_with_factors_ = end_with_factors;
   iterations_per_digit_ = 0.0;

@@ -10,6 +10,7 @@
 
 #include "sim/step/contact_sweeps.h"
 #include "sim/step/newton_course.h"
+#include "sim/step/past_accelerations.h"
 #include "sim/step/step_counts.h"
 #include "sim/step/step_jacobian.h"
 #include "sim/step/step_problem.h"
@@ -107,11 +108,11 @@ class StepSolver {
   const ClothModel& model_;
   BlockMatrix hessian_;
   StepJacobian jacobian_;
-  double refactor_iterations_;    // a linear solve that takes more costs as much as a new factor
-  StepPoint trial_;               // kept for its memory
-  ContactSweeps sweeps_;          // likewise
-  Eigen::VectorXd acceleration_;  // of the last step, over the free nodes, m/s^2; empty: none
-  PairMemory memory_;             // of the last step
+  double refactor_iterations_;  // a linear solve that takes more costs as much as a new factor
+  StepPoint trial_;             // kept for its memory
+  ContactSweeps sweeps_;        // likewise
+  PastAccelerations past_;
+  PairMemory memory_;  // of the last step
   bool ends_with_factors_ = false;
   bool had_pairs_ = false;             // the last problem
   double iterations_per_digit_ = 0.0;  // of solves with the factor at hand, as far as is known

@@ -28,6 +28,7 @@ RecordedMotion ShakenMotion() {
   Scene scene = Shaken(SwingScene());
   scene.material.damping = 0.01;
   scene.solver.step_tolerance = 1e-12;
+  scene.solver.adjoint_tolerance = 1e-14;
   MotionOptions options;
   options.noise = options.sigma = kNoise;
   options.frame_interval = 0.013;

@@ -134,7 +134,11 @@ TEST(FitTest, NumbersOfTheSummaryFitTogether) {
   EXPECT_NEAR(summary.error.rmse(), std::sqrt(3.0) * 1e-3, 1e-4);
 }
 
+// Where steps start near their end, a loose one takes as many iterations as another, but fewer factors.
 TEST(FitTest, LoosePrecisionSavesWorkAndChangesNoEstimate) {
+  const auto work = [](const FitSummary& fit) {
+    return fit.statistics.counts.newton_iterations + fit.statistics.counts.factorizations;
+  };
   const MotionOptions noisy = {kSphereTruth, 1e-3, 0.0, 1e-3};
   Scene euler = SphereScene();
   euler.integrator = Integrator::kEuler;
@@ -149,7 +153,7 @@ TEST(FitTest, LoosePrecisionSavesWorkAndChangesNoEstimate) {
       ASSERT_EQ(full.status, FitStatus::kConverged) << full.message;
       EXPECT_EQ(adaptive.iterations.front().precision, Precision::kLoose);
       EXPECT_EQ(adaptive.iterations.back().precision, Precision::kFull);
-      EXPECT_LT(adaptive.statistics.counts.newton_iterations, full.statistics.counts.newton_iterations);
+      EXPECT_LT(work(adaptive), work(full));
       for (std::size_t i = 0; i < full.parameters.size(); ++i) {
         const double std = full.uncertainty->parameters[i].std;
         EXPECT_NEAR(adaptive.parameters[i].value, full.parameters[i].value, 0.1 * std);

@@ -169,7 +169,7 @@ class GradientCase {
     Simulator simulator(scene);
     RolloutOptions options;
     options.correction = correction_;
-    if (num_substeps() > 0) options.followed = &rollout_;  // cut where the rollout was
+    options.followed = &rollout_;  // cut where it was, and solved beyond the tolerance
     return Simulate(parameters, scene.num_steps(), &simulator, nullptr, options);
   }
 
