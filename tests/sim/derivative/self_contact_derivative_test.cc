@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sim/obstacle/obstacle.h"
+#include "tests/expect_error.h"
 #include "tests/sim/derivative/gradient_case.h"
 #include "tests/sim/plain_scenes.h"
 #include "tests/sim/self_contact_scenes.h"
@@ -123,6 +124,21 @@ TEST_P(SelfContactDerivativeTest, ASweepBesideItsRolloutIsThatOverIt) {
       &simulator);
   EXPECT_EQ(end, over.rollout.positions(scene.num_steps()));
   EXPECT_LE((beside - over.forward).norm(), 1e-9 * over.forward.norm());
+}
+
+TEST_P(SelfContactDerivativeTest, OtherAdjointMethodsNameTheOneThatServes) {
+  Scene scene = SlidingLayers(GetParam());
+  scene.duration = 0.05;
+  Simulator simulator(scene);
+  const Rollout rollout = Simulate(scene.nominal_parameters(), scene.num_steps(), &simulator);
+  ASSERT_TRUE(rollout.ok());
+  const auto add = [](int, Eigen::MatrixXd* columns) { columns->array() += 1.0; };
+  AdjointOptions options;
+  for (const AdjointMethod method : {AdjointMethod::kLu, AdjointMethod::kFixedPoint, AdjointMethod::kSystemGmres}) {
+    options.method = method;
+    ExpectError([&] { PullBack(rollout, {{ParameterKind::kSelfFriction}}, 1, add, &simulator, options); },
+                ErrorKind::kUsage, {"contacts of the cloth with itself", "reduced"});
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Integrators, SelfContactDerivativeTest,
