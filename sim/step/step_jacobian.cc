@@ -15,9 +15,10 @@ constexpr int kMaxKrylovIterations = 60;
 constexpr int kMaxPairIterations = 120;  // likewise, where pairs are in contact
 // With the factor of another point: where it takes more, a new factor is cheaper.
 constexpr int kMaxLaggedIterations = 24;
-// Likewise, where pairs are in contact, and no more digits are asked for than ...
+// Likewise, where pairs are in contact and few digits are asked for.
 constexpr int kMaxLaggedPairIterations = 15;
-constexpr double kFewDigits = 1e-6;  // ... this, which is also what a solve that is too slow gives up
+// A tolerance above this asks for few digits: a solve with the factor of another point may then give up early, too.
+constexpr double kFewDigits = 1e-6;
 // Preconditioners from this size on are in single precision: 24 x 24 nodes have 0.7 to 2 MB. Smaller ones are not
 // waited for, and would gain less than a twentieth.
 constexpr std::size_t kSinglePrecisionBytes = 512 * 1024;
