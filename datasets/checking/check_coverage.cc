@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <set>
 #include <utility>
 
@@ -149,14 +150,15 @@ bool SeesCloth(const CheckedMotion& checked, int frame) {
 
 // Whether all that is seen lies on obstacles.
 bool LiesOnObstacles(const CheckedMotion& checked, int frame) {
-  const double time = checked.motion.times[frame], far = kOnObstacle * checked.cloth_size;
   const Eigen::Matrix3Xd places = checked.Places(frame);
-  return std::all_of(places.colwise().begin(), places.colwise().end(), [&](const auto& place) {
-    return std::any_of(checked.motion.scene.obstacles.begin(), checked.motion.scene.obstacles.end(),
-                       [&](const SceneObstacle& obstacle) {
-                         return obstacle.ShapeAt(time)->Closest(place).gap < obstacle.contact_distance + far;
-                       });
-  });
+  Eigen::VectorXd gaps = Eigen::VectorXd::Constant(places.cols(), std::numeric_limits<double>::infinity());
+  for (const SceneObstacle& obstacle : checked.motion.scene.obstacles) {
+    const std::shared_ptr<const Obstacle> shape = obstacle.ShapeAt(checked.motion.times[frame]);
+    for (Eigen::Index i = 0; i < places.cols(); ++i) {
+      gaps[i] = std::min(gaps[i], shape->Closest(places.col(i)).gap - obstacle.contact_distance);
+    }
+  }
+  return (gaps.array() < kOnObstacle * checked.cloth_size).all();
 }
 
 // Frames that repeat the one before although the cloth moves. A cloth that comes to rest slows down first, unless it
@@ -182,8 +184,8 @@ std::vector<int> RepeatedFrames(const CheckedMotion& checked) {
     if (steps[frame] != 0.0) continue;
     int end = frame;
     while (end < num_frames && steps[end] == 0.0) ++end;
-    const bool has_landed = end == num_frames && LiesOnObstacles(checked, end - 1);
-    if (std::fmax(steps[frame - 1], steps[end]) > least && !has_landed) {
+    const bool moves = std::fmax(steps[frame - 1], steps[end]) > least;
+    if (moves && !(end == num_frames && LiesOnObstacles(checked, end - 1))) {
       for (int k = frame; k < end; ++k) repeated.push_back(k);
     }
     frame = end;

@@ -7,7 +7,6 @@
 #include "sim/matrix/cholmod_analysis.h"
 
 namespace clothid {
-
 namespace {
 
 std::vector<int> Order(int method, const std::vector<std::vector<int>>& neighbours) {

@@ -12,7 +12,7 @@ namespace clothid {
 std::vector<int> FillReducingOrder(const std::vector<std::vector<int>>& neighbours);
 
 // The order in which the nodes come, but postordered: as much fill in, in columns that lie together. For a graph whose
-// nodes are numbered well already, a tenth of the work.
+// nodes are numbered well already.
 std::vector<int> Postorder(const std::vector<std::vector<int>>& neighbours);
 
 }  // namespace clothid

@@ -1,7 +1,6 @@
 #include "sim/step/wide_pattern.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "sim/matrix/fill_reducing_order.h"
 
@@ -49,11 +48,18 @@ Neighbours Renumbered(const Neighbours& neighbours, const std::vector<int>& plac
   return result;
 }
 
-// Element k is the one of `first` that `second` puts there.
-std::vector<int> Composed(const std::vector<int>& first, const std::vector<int>& second) {
-  std::vector<int> order(second.size());
-  for (std::size_t k = 0; k < second.size(); ++k) order[k] = first[second[k]];
-  return order;
+std::vector<int> Inverse(const std::vector<int>& permutation) {
+  std::vector<int> inverse(permutation.size());
+  for (std::size_t k = 0; k < permutation.size(); ++k) inverse[permutation[k]] = static_cast<int>(k);
+  return inverse;
+}
+
+// The order in which blocks have `places`, postordered.
+std::vector<int> Postordered(const Neighbours& neighbours, const std::vector<int>& places) {
+  const std::vector<int> order = Inverse(places);
+  std::vector<int> postorder = Postorder(Renumbered(neighbours, places));
+  for (int& block : postorder) block = order[block];
+  return postorder;
 }
 
 }  // namespace
@@ -64,31 +70,36 @@ WidePattern::WidePattern(const BlockPattern& pattern, const std::vector<std::arr
   AddCliques(cliques, &neighbours);
   Tidy(&neighbours);
   pattern_ = std::make_shared<const BlockPattern>(neighbours);
+  std::shared_ptr<const BlockPattern> ordered;
   if (before != nullptr) {
-    Analyze(neighbours, Composed(before->order_, Postorder(Renumbered(neighbours, before->places_))));
+    ordered = Analyze(neighbours, Postordered(neighbours, before->places_));
     first_flops_ = before->first_flops_;
-    if (cholesky_->num_flops() <= kMostFlops * first_flops_) return;
   }
-  Analyze(neighbours, FillReducingOrder(neighbours));
-  first_flops_ = cholesky_->num_flops();
+  if (before == nullptr || cholesky_->num_flops() > kMostFlops * first_flops_) {
+    ordered = Analyze(neighbours, FillReducingOrder(neighbours));
+    first_flops_ = cholesky_->num_flops();
+  }
+  MapValues(*ordered);
 }
 
-void WidePattern::Analyze(const Neighbours& neighbours, std::vector<int> order) {
-  order_ = std::move(order);
-  places_.resize(order_.size());
-  for (std::size_t k = 0; k < order_.size(); ++k) places_[order_[k]] = static_cast<int>(k);
-  const auto ordered = std::make_shared<const BlockPattern>(Renumbered(neighbours, places_));
+std::shared_ptr<const BlockPattern> WidePattern::Analyze(const Neighbours& neighbours, const std::vector<int>& order) {
+  places_ = Inverse(order);
+  auto ordered = std::make_shared<const BlockPattern>(Renumbered(neighbours, places_));
+  cholesky_ = std::make_unique<CholeskySolver>(ordered);
+  return ordered;
+}
+
+void WidePattern::MapValues(const BlockPattern& ordered) {
   ordered_.resize(pattern_->num_values());
   for (int column = 0; column < pattern_->num_blocks(); ++column) {
     for (int k = 0; k < pattern_->num_rows(column); ++k) {
       const BlockPosition from = pattern_->Position(column, k);
-      const BlockPosition to = ordered->Find(places_[pattern_->rows_begin(column)[k]], places_[column]);
+      const BlockPosition to = ordered.Find(places_[pattern_->rows_begin(column)[k]], places_[column]);
       for (int j = 0; j < 3; ++j) {
         for (int i = 0; i < 3; ++i) ordered_[from.start + j * from.stride + i] = to.start + j * to.stride + i;
       }
     }
   }
-  cholesky_ = std::make_unique<CholeskySolver>(ordered);
 }
 
 bool WidePattern::Covers(const std::vector<std::array<int, 4>>& cliques) const {

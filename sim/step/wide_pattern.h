@@ -37,12 +37,14 @@ class WidePattern {
   std::size_t bytes() const;  // of its indices, roughly
 
  private:
-  void Analyze(const std::vector<std::vector<int>>& neighbours, std::vector<int> order);
+  // Sets places and solver, and returns the pattern in that order.
+  std::shared_ptr<const BlockPattern> Analyze(const std::vector<std::vector<int>>& neighbours,
+                                              const std::vector<int>& order);
+  void MapValues(const BlockPattern& ordered);
 
   std::shared_ptr<const BlockPattern> pattern_;  // as its blocks are numbered
-  std::vector<int> order_;                       // of elimination
-  double first_flops_ = 0.0;                     // of a factor where the order was made
   std::vector<int> places_;                      // of blocks in the order of elimination
+  double first_flops_ = 0.0;                     // of a factor where the order was made
   std::unique_ptr<CholeskySolver> cholesky_;
   Eigen::VectorXi ordered_;  // where a value is in the order of elimination
 };

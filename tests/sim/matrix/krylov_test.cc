@@ -35,7 +35,7 @@ TEST_F(KrylovTest, GmresSolvesColumnsOfDifferentDifficulty) {
   EXPECT_FALSE(Gmres(multiply, precondition, right, 1e-11, {2}, &solution).converged);
 }
 
-// The eigenvalues 1 .. 100 without a preconditioner: 45 iterations for ten digits.
+// The eigenvalues 1 .. 100 without a preconditioner take 62 iterations for ten digits.
 TEST_F(KrylovTest, GmresGivesUpWhereItIsTooSlow) {
   const Eigen::VectorXd eigenvalues = Eigen::VectorXd::LinSpaced(100, 1.0, 100.0);
   const auto multiply = [&](const Eigen::MatrixXd& v) -> Eigen::MatrixXd { return eigenvalues.asDiagonal() * v; };

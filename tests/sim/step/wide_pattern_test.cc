@@ -54,16 +54,17 @@ TEST_F(WidePatternTest, OrderOfTheOneBeforeGivesTheSameSolution) {
   EXPECT_TRUE(kept.Covers(second));
   const Eigen::MatrixXd expected = Solution(fresh, second);
   EXPECT_LT((Solution(kept, second) - expected).norm(), 1e-10 * expected.norm());
-  EXPECT_LT(kept.flops(), 1.5 * fresh.flops());
+  EXPECT_LE(kept.flops(), std::max(1.05 * before.flops(), fresh.flops()));
 }
 
-// Where everything is coupled with everything, any order is as good; back from there a new one is made.
+// As far couplings fill in far more than the narrow pattern did, the order is made anew.
 TEST_F(WidePatternTest, MakesANewOrderWhereTheOldOneCostsMore) {
   const int n = pattern_->num_blocks();
   Cliques far;
   for (int i = 0; i + 1 < n; ++i) far.push_back({i, n - 1 - i, (7 * i) % n, (13 * i) % n});
   const WidePattern narrow(*pattern_, {}, nullptr), fresh(*pattern_, far, nullptr), wide(*pattern_, far, &narrow);
-  EXPECT_LE(wide.flops(), 1.2 * std::max(fresh.flops(), narrow.flops()));
+  EXPECT_GT(fresh.flops(), 2.0 * narrow.flops());
+  EXPECT_EQ(wide.flops(), fresh.flops());
 }
 
 }  // namespace
