@@ -25,7 +25,7 @@
 #include <vector>
 
 #include "sim/contact/pair_geometry.h"
-#include "sim/contact/rest_neighbours.h"
+#include "sim/mesh/rest_neighbours.h"
 #include "sim/geometry/box_tree.h"
 #include "sim/geometry/normal_cones.h"
 #include "sim/mesh/mesh.h"

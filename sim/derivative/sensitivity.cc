@@ -79,22 +79,17 @@ StepColumns RightSide(StepColumns right, const StateColumns& start, const std::v
   return right;
 }
 
-// Gives the steps their factor and pattern back, so that the states are those of `Simulate`, bit for bit.
+// Gives the steps their factor back, so that the states are those of `Simulate`, bit for bit.
 class KeptFactor {
  public:
-  explicit KeptFactor(StepJacobian* jacobian)
-      : jacobian_(jacobian), factor_(jacobian->factor()), pattern_(jacobian->pattern()) {}
-  ~KeptFactor() {
-    jacobian_->SetFactor(factor_);
-    jacobian_->SetPattern(pattern_);
-  }
+  explicit KeptFactor(StepJacobian* jacobian) : jacobian_(jacobian), factor_(jacobian->factor()) {}
+  ~KeptFactor() { jacobian_->SetFactor(factor_); }
   KeptFactor(const KeptFactor&) = delete;
   KeptFactor& operator=(const KeptFactor&) = delete;
 
  private:
   StepJacobian* jacobian_;
   std::shared_ptr<const ReducedFactor> factor_;
-  std::shared_ptr<const WidePattern> pattern_;
 };
 
 // From the start of a step to its end.

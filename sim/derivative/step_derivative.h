@@ -39,8 +39,7 @@ class StepDerivative {
 
   // Factors A. False where it fails.
   bool Factor(StepJacobian::Method method);
-  // Solves with `factor`, which was made at the end of the step or near it, in its place. False where it is null or of
-  // a point too far from this one: its pattern then serves the next Factor.
+  // Solves with `factor`, which was made at the end of the step or near it, in its place. False where it is null.
   bool UseFactor(std::shared_ptr<const ReducedFactor> factor);
   StepJacobian& jacobian() { return jacobian_; }
   const ContactSet& contacts() const { return contacts_; }                 // what sticks or slips

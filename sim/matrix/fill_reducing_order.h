@@ -11,10 +11,6 @@ namespace clothid {
 // `std::runtime_error` where CHOLMOD fails, as for a lack of memory.
 std::vector<int> FillReducingOrder(const std::vector<std::vector<int>>& neighbours);
 
-// The order in which the nodes come, but postordered: as much fill in, in columns that lie together. For a graph whose
-// nodes are numbered well already.
-std::vector<int> Postorder(const std::vector<std::vector<int>>& neighbours);
-
 }  // namespace clothid
 
 #endif  // CLOTHID_SIM_MATRIX_FILL_REDUCING_ORDER_H_

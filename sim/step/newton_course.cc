@@ -25,9 +25,13 @@ constexpr int kIdleIterations = 3;           // without progress: a cycle of bra
 constexpr double kShortestPairLength = 0.2;  // ... from a half to about this
 constexpr double kProgressOfSize = 0.95;     // of the lowest one: progress
 constexpr int kMostPairIterations = 60;      // more of them seldom end: a shorter step does
-constexpr double kPairForcing = 1e-4;        // tolerance of the linear system, ...
-constexpr double kPairGoalShare = 0.1;       // ... not below this share of what is left to do, ...
-constexpr double kPairLoosest = 1e-2;        // ... and never above
+
+// The tolerance of a linear system where the last iteration has left `ratio` of the residual: the forcing term of
+// Eisenstat and Walker 1996, choice 2, but no more accurate than is needed where `left` of the residual may be left.
+double Forcing(double ratio, bool changes, double left) {
+  const double largest = changes ? kForcingInContact : kLargestForcing;
+  return std::max(std::min(largest, kForcing * ratio * ratio), kGoalShare * left);
+}
 
 bool InContact(const StepPoint& point) {
   return std::any_of(point.responses.begin(), point.responses.end(),
@@ -69,7 +73,8 @@ class ObstacleCourse : public NewtonCourse {
     const bool may_change = problem_.contacts().may_touch() && iteration_ < kSweptIterations;
     plan.is_swept =
         may_change && (iteration_ == 0 ? InContact(point) : BranchesDiffer(point.responses, before.responses));
-    plan.forcing = Forcing(point, plan.is_swept, goal);
+    const double residual = point.relative_residual, ratio = last_ > 0.0 ? residual / last_ : 1.0;
+    plan.forcing = Forcing(ratio, plan.is_swept, goal / residual);
     const bool cycles = iteration_ >= 2 && point.relative_residual > kSlowProgress * before_last_ &&
                         change_.dot(last_change_) < -kReversal * change_.norm() * last_change_.norm();
     first_length_ = cycles ? std::max(0.5 * first_length_, kShortestFirstLength) : std::min(2.0 * first_length_, 1.0);
@@ -88,14 +93,6 @@ class ObstacleCourse : public NewtonCourse {
   }
 
  private:
-  // The tolerance of the linear system at `point`: the forcing term of Eisenstat and Walker 1996, choice 2, but no more
-  // accurate than a residual below `goal` needs.
-  double Forcing(const StepPoint& point, bool changes, double goal) const {
-    const double residual = point.relative_residual, ratio = last_ > 0.0 ? residual / last_ : 1.0;
-    const double largest = changes ? kForcingInContact : kLargestForcing;
-    return std::max(std::min(largest, kForcing * ratio * ratio), kGoalShare * goal / residual);
-  }
-
   const StepProblem& problem_;
   Progress progress_;
   int iteration_ = 0;
@@ -123,7 +120,8 @@ class PairCourse : public NewtonCourse {
     plan.is_swept = problem_.contacts().may_touch() &&
                     (is_settled ? num_settled_ <= kSweptSettled : iteration_ < kSweptPairIterations);
     plan.first_length = length_;
-    plan.forcing = std::min(std::max(kPairForcing, kPairGoalShare * goal / point.relative_residual), kPairLoosest);
+    plan.forcing = Forcing(iteration_ == 0 ? 1.0 : size / last_, !is_settled, goal / point.relative_residual);
+    last_ = size;
     ++iteration_;
     return plan;
   }
@@ -134,7 +132,7 @@ class PairCourse : public NewtonCourse {
   const StepProblem& problem_;
   int iteration_ = 0, num_settled_ = 0;
   int idle_ = 0;  // iterations
-  double length_ = 1.0, best_ = std::numeric_limits<double>::infinity();
+  double length_ = 1.0, best_ = std::numeric_limits<double>::infinity(), last_ = 0.0;
 };
 
 }  // namespace

@@ -2,9 +2,9 @@
 
 #include <cstddef>
 #include <utility>
+#include <vector>
 
 #include "sim/matrix/block_product.h"
-#include "sim/step/wide_pattern.h"
 
 namespace clothid {
 namespace {
@@ -15,8 +15,6 @@ constexpr int kMaxKrylovIterations = 60;
 constexpr int kMaxPairIterations = 120;  // likewise, where pairs are in contact
 // With the factor of another point: where it takes more, a new factor is cheaper.
 constexpr int kMaxLaggedIterations = 24;
-// Likewise, where pairs are in contact and few digits are asked for.
-constexpr int kMaxLaggedPairIterations = 15;
 // A tolerance above this asks for few digits: a solve with the factor of another point may then give up early, too.
 constexpr double kFewDigits = 1e-6;
 // Preconditioners from this size on are in single precision: 24 x 24 nodes have 0.7 to 2 MB. Smaller ones are not
@@ -36,11 +34,6 @@ Eigen::MatrixXd TopRows(Eigen::MatrixXd stacked, Eigen::Index num_below) {
 }
 
 }  // namespace
-
-std::size_t ReducedFactor::bytes() const {
-  return (cholesky == nullptr ? 0 : cholesky->bytes()) + frames.size() * sizeof(LocalFrame) +
-         (pattern == nullptr ? 0 : pattern->bytes());
-}
 
 StepJacobian::StepJacobian(const ClothModel& model) : model_(model), cholesky_(model.pattern()) {
   if (model.has_contact()) elimination_ = std::make_unique<ContactElimination>();
@@ -62,46 +55,22 @@ void StepJacobian::SetPoint(const BlockMatrix& hessian, const ContactSet& contac
   const ScopedTimer timer(&seconds_.contact);
   if (in_contact_) elimination_->SetContacts(contacts.nodes, model_.free_index());
   if (pairs_ == nullptr) return;
-  pairs_->SetContacts(contacts.pairs, 3 * model_.num_free());
-  closed_ = RecordContacts(contacts);
+  std::vector<int> held;
+  for (const Contact& contact : contacts.nodes) held.push_back(model_.free_index()[contact.candidate.node]);
+  pairs_->SetContacts(contacts.pairs, held, hessian);
 }
 
 void StepJacobian::SetFactor(std::shared_ptr<const ReducedFactor> factor) {
   if (factor != factor_) preconditioner_.Set(nullptr);
-  if (factor != nullptr && factor->pattern != nullptr) pattern_ = factor->pattern;
-  factor_ = factor == nullptr || factor->cholesky == nullptr ? nullptr : std::move(factor);
+  factor_ = std::move(factor);
   factor_is_of_point_ = false;
 }
 
-void StepJacobian::Reset() {
-  SetFactor(nullptr);
-  pattern_.reset();
-}
-
-bool StepJacobian::HasFactorNear(const ContactSet& contacts, int most) const {
-  if (factor_ == nullptr) return false;
-  if (contacts.pairs.empty() && factor_->contacts.pairs.empty()) return true;
-  return NumDifferences(RecordContacts(contacts), factor_->contacts) <= most;
-}
-
-const Eigen::VectorXd& StepJacobian::ReducedValues(const BlockMatrix& matrix) {
-  if (!in_contact_) return matrix.values;
+const Eigen::VectorXd& StepJacobian::ReducedValues() {
+  if (!in_contact_) return hessian_->values;
   const ScopedTimer timer(&seconds_.contact);
-  elimination_->Reduce(matrix, &values_);
+  elimination_->Reduce(*hessian_, &values_);
   return values_;
-}
-
-// In a pattern that covers the pairs in contact.
-std::shared_ptr<const CholeskyFactor> StepJacobian::FactorWithPairs() {
-  if (pattern_ == nullptr || !pattern_->Covers(pairs_->ClosedBlocks())) {
-    const ScopedTimer timer(&seconds_.factorization);
-    pattern_ = std::make_shared<const WidePattern>(*model_.pattern(), pairs_->blocks(), pattern_.get());
-  }
-  BlockMatrix wide = pattern_->Widened(*hessian_);
-  pairs_->AddAugmented(&wide);
-  const Eigen::VectorXd& values = ReducedValues(wide);
-  const ScopedTimer timer(&seconds_.factorization);
-  return pattern_->Factor(values, team_.get());
 }
 
 bool StepJacobian::Factor(Method method) {
@@ -115,18 +84,12 @@ bool StepJacobian::Factor(Method method) {
   }
   factor_.reset();  // first, so that its memory can be used again
   preconditioner_.Set(nullptr);
+  const Eigen::VectorXd& values = ReducedValues();
+  const ScopedTimer timer(&seconds_.factorization);
   ReducedFactor factor;
-  if (has_pairs()) {
-    factor.cholesky = FactorWithPairs();
-    factor.pattern = pattern_;
-  } else {
-    const Eigen::VectorXd& values = ReducedValues(*hessian_);
-    const ScopedTimer timer(&seconds_.factorization);
-    factor.cholesky = cholesky_.Factor(values, team_.get());
-  }
+  factor.cholesky = cholesky_.Factor(values, team_.get());
   if (factor.cholesky == nullptr) return false;
   if (in_contact_) factor.frames = elimination_->SlipFrames();
-  factor.contacts = closed_;
   factor_ = std::make_shared<const ReducedFactor>(std::move(factor));
   factor_is_of_point_ = true;
   return true;
@@ -137,16 +100,9 @@ bool StepJacobian::Factor(Method method, const BlockMatrix& hessian, const Conta
   return Factor(method);
 }
 
-double StepJacobian::factor_flops_per_entry() const {
-  if (factor_ != nullptr && factor_->pattern != nullptr) return factor_->pattern->flops_per_entry();
-  return cholesky_.num_flops() / cholesky_.num_entries();
-}
-
 // A factor of another point is but a preconditioner.
 void StepJacobian::SolveWithFactor(const Eigen::MatrixXd& vectors, Eigen::MatrixXd* result) {
-  if (factor_->pattern != nullptr) {
-    *result = factor_->pattern->Solve(*factor_->cholesky, vectors, team_.get());
-  } else if (factor_is_of_point_ || factor_->cholesky->bytes() < kSinglePrecisionBytes) {
+  if (factor_is_of_point_ || factor_->cholesky->bytes() < kSinglePrecisionBytes) {
     factor_->cholesky->Solve(vectors, result, team_.get());
   } else {
     preconditioner_.Set(factor_->cholesky, team_.get());
@@ -170,15 +126,18 @@ Eigen::MatrixXd StepJacobian::ApplyFactor(const Eigen::MatrixXd& vectors) {
   return result;
 }
 
-// Of (q, lambda) likewise, with one more row for every lambda.
-Eigen::MatrixXd StepJacobian::Precondition(const Eigen::MatrixXd& q) {
+// Z B Z^T of pair_elimination.h where pairs are in contact.
+Eigen::MatrixXd StepJacobian::Precondition(Direction direction, const Eigen::MatrixXd& q) {
   if (!has_pairs()) return ApplyFactor(q);
-  const Eigen::MatrixXd e = q.bottomRows(pairs_->num_rows());
-  Eigen::MatrixXd v = q.topRows(q.rows() - e.rows());
-  pairs_->AddPenalty(e, &v);
+  const bool transposed = direction == Direction::kTransposed;
+  Eigen::MatrixXd v = q.topRows(3 * model_.num_free());
+  const Eigen::MatrixXd sides = pairs_->Split(transposed, &v);
   if (in_contact_) elimination_->Project(&v);
   v = ApplyFactor(v);
-  const Eigen::MatrixXd lambda = pairs_->PenaltyImpulses(e, v);
+  pairs_->Join(transposed, sides, &v);
+  if (num_loose_rows() == 0) return v;
+  const Eigen::MatrixXd lambda = pairs_->JoinLoose(transposed, q.bottomRows(num_loose_rows()), &v);
+  if (in_contact_) elimination_->Project(&v);
   return Stacked(std::move(v), lambda);
 }
 
@@ -188,30 +147,39 @@ Eigen::MatrixXd StepJacobian::TimesStiffness(const Eigen::MatrixXd& velocities) 
   return product;
 }
 
-// Z^T (I + mu t n^T) K Z + kappa b b^T, or its transpose; K itself without contacts. With pairs in contact the matrix
-// of pair_elimination.h, likewise.
+Eigen::MatrixXd StepJacobian::VelocitiesOf(Direction direction, Eigen::MatrixXd q) const {
+  const bool transposed = direction == Direction::kTransposed;
+  Eigen::MatrixXd v = TopRows(std::move(q), num_loose_rows());
+  if (in_contact_ && transposed) elimination_->AddFrictionTransposed(&v);
+  if (has_pairs()) pairs_->Follow(transposed, &v);
+  return v;
+}
+
+// Z^T (I + mu t n^T) K Z + kappa b b^T, or its transpose, with Z of the obstacles; K itself without contacts. Pairs, as
+// in pair_elimination.h, stand between that and K.
 Eigen::MatrixXd StepJacobian::ApplyReduced(Direction direction, const Eigen::MatrixXd& q) const {
   const bool transposed = direction == Direction::kTransposed;
   if (!in_contact_ && !has_pairs()) return TimesStiffness(q);
-  const Eigen::Index num_rows = has_pairs() ? pairs_->num_rows() : 0;
-  Eigen::MatrixXd v = num_rows == 0 ? q : q.topRows(q.rows() - num_rows);
-  if (in_contact_ && transposed) elimination_->AddFrictionTransposed(&v);
+  const Eigen::MatrixXd v = VelocitiesOf(direction, q);
   Eigen::MatrixXd result = TimesStiffness(v);
-  if (has_pairs()) pairs_->SubtractForces(transposed, q.bottomRows(num_rows), &result);
+  if (has_pairs()) {
+    pairs_->SubtractLooseForces(transposed, q.bottomRows(num_loose_rows()), &result);
+    pairs_->Unload(transposed, &result);
+  }
   if (in_contact_) {
     if (!transposed) elimination_->AddFriction(&result);
     elimination_->Project(&result);
     elimination_->AddSlipStiffness(q, &result);
   }
-  return has_pairs() ? Stacked(std::move(result), pairs_->TimesRows(transposed, v)) : result;
+  return num_loose_rows() == 0 ? result : Stacked(std::move(result), pairs_->TimesLooseRows(transposed, v));
 }
 
 bool StepJacobian::SolveByConjugateGradients(const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* q) {
   Eigen::VectorXd solution;
   const ConjugateGradientResult result = ConjugateGradients(
       [&](const Eigen::VectorXd& v) -> Eigen::VectorXd { return ApplyReduced(Direction::kForward, v); },
-      [&](const Eigen::VectorXd& v) -> Eigen::VectorXd { return ApplyFactor(v); }, right.col(0), tolerance,
-      kMaxLaggedIterations, &solution);
+      [&](const Eigen::VectorXd& v) -> Eigen::VectorXd { return Precondition(Direction::kForward, v); }, right.col(0),
+      tolerance, MostIterations(), &solution);
   iterations_ = result.iterations;
   *q = std::move(solution);
   return result.converged;
@@ -223,19 +191,24 @@ bool StepJacobian::SolveReduced(Direction direction, const Eigen::MatrixXd& righ
     *q = ApplyFactor(right);
     return true;
   }
-  if (!has_pairs() && !has_coupling() && right.cols() == 1) return SolveByConjugateGradients(right, tolerance, q);
+  if (!has_coupling() && right.cols() == 1) return SolveByConjugateGradients(right, tolerance, q);
   const bool has_alternative = !factor_is_of_point_ && tolerance > kFewDigits;
-  const int most = has_alternative && has_pairs() ? kMaxLaggedPairIterations : MostIterations();
-  const GmresResult result =
-      Gmres([&](const Eigen::MatrixXd& v) { return ApplyReduced(direction, v); },
-            [&](const Eigen::MatrixXd& v) { return Precondition(v); }, right, tolerance, {most, has_alternative}, q);
+  const GmresResult result = Gmres([&](const Eigen::MatrixXd& v) { return ApplyReduced(direction, v); },
+                                   [&](const Eigen::MatrixXd& v) { return Precondition(direction, v); }, right,
+                                   tolerance, {MostIterations(), has_alternative}, q);
   iterations_ = result.iterations;
   if (!result.converged || (has_pairs() && !q->allFinite())) return false;
   if (direction == Direction::kTransposed || factor_is_of_point_ || right.cols() != 1) return true;
   // What the inertia test of a factor of this point would have found.
   if (!has_pairs()) return right.col(0).dot(q->col(0)) > 0.0;
-  const Eigen::VectorXd dv = q->col(0).head(3 * model_.num_free());
-  return dv.dot(TimesStiffness(dv).col(0)) >= 0.0;
+  const Eigen::MatrixXd dv = VelocitiesOf(direction, *q);
+  return dv.col(0).dot(TimesStiffness(dv).col(0)) >= 0.0;
+}
+
+// Whether the reduced matrix is not symmetric.
+bool StepJacobian::has_coupling() const {
+  return (in_contact_ && elimination_->has_coupling()) ||
+         (has_pairs() && (pairs_->has_friction() || num_loose_rows() > 0));
 }
 
 int StepJacobian::MostIterations() const {
@@ -251,25 +224,44 @@ bool StepJacobian::Solve(const StepColumns& right, double tolerance, StepColumns
     solution->impulses = right.impulses;
     return solution->velocities.allFinite();
   }
-  Eigen::MatrixXd momentum = right.velocities, known, rows, q;
+  Eigen::MatrixXd momentum = right.velocities, rows, known;
   if (may_have_pairs()) {
     Eigen::MatrixXd impulse = pairs_->KnownMomentum(right.impulses);
     AddImpulse(&impulse);
     momentum += impulse;
     rows = pairs_->RightRows(right.impulses);
   }
-  if (in_contact_) {
-    known = elimination_->KnownPart(momentum);
-    momentum = elimination_->ReducedRight(momentum, known, TimesStiffness(known));
-    if (has_pairs()) rows -= pairs_->TimesRows(false, known);
+  Eigen::MatrixXd q = ReducedRight(momentum, rows, &known);
+  if (!SolveReduced(Direction::kForward, Eigen::MatrixXd(q), tolerance, &q)) return false;
+  const Eigen::MatrixXd loose = q.bottomRows(num_loose_rows());
+  solution->velocities = VelocitiesOf(Direction::kForward, std::move(q));
+  if (known.size() > 0) solution->velocities += known;
+  solution->impulses = right.impulses;
+  if (!may_have_pairs()) return true;
+  Eigen::MatrixXd lambda(0, right.impulses.cols());
+  if (has_pairs()) {
+    Eigen::MatrixXd balance = TimesStiffness(solution->velocities) - momentum;
+    lambda = pairs_->Multipliers(false, loose, &balance);
   }
-  if (!SolveReduced(Direction::kForward, Stacked(std::move(momentum), rows), tolerance, &q)) return false;
-  const Eigen::MatrixXd lambda = q.bottomRows(rows.rows());
-  solution->velocities = TopRows(std::move(q), rows.rows());
-  if (in_contact_) solution->velocities += known;
-  solution->impulses =
-      may_have_pairs() ? pairs_->Impulses(lambda, right.impulses, solution->velocities) : right.impulses;
+  solution->impulses = pairs_->Impulses(lambda, right.impulses, solution->velocities);
   return true;
+}
+
+Eigen::MatrixXd StepJacobian::ReducedRight(const Eigen::MatrixXd& momentum, const Eigen::MatrixXd& rows,
+                                           Eigen::MatrixXd* known) const {
+  if (!in_contact_ && !has_pairs()) return momentum;
+  *known = in_contact_ ? elimination_->KnownPart(momentum) : Eigen::MatrixXd::Zero(momentum.rows(), momentum.cols());
+  if (has_pairs()) pairs_->FollowTo(false, rows, known);
+  Eigen::MatrixXd product = TimesStiffness(*known);
+  if (has_pairs()) {
+    const Eigen::MatrixXd balance = momentum - product;
+    Eigen::MatrixXd unloaded = balance;
+    pairs_->Unload(false, &unloaded);
+    product -= unloaded - balance;
+  }
+  Eigen::MatrixXd reduced =
+      in_contact_ ? elimination_->ReducedRight(momentum, *known, product) : Eigen::MatrixXd(momentum - product);
+  return num_loose_rows() == 0 ? reduced : Stacked(std::move(reduced), pairs_->LooseRest(false, rows, *known));
 }
 
 // In the reduced system the multipliers of pairs are negated: both directions then have the same signs.
@@ -283,22 +275,32 @@ bool StepJacobian::SolveTransposed(const StepColumns& right, double tolerance, S
     if (in_contact_) elimination_->AddImpulseTransposed(y);
     return z->velocities.allFinite();
   }
-  Eigen::MatrixXd momentum = right.velocities, rows, q;
+  Eigen::MatrixXd momentum = right.velocities, rows, known;
   if (may_have_pairs()) {
     momentum -= pairs_->KnownMomentumTransposed(right.impulses);
     rows = pairs_->RightRowsTransposed(right.impulses);
   }
-  Eigen::MatrixXd projected = momentum;
-  if (in_contact_) elimination_->Project(&projected);
-  if (!SolveReduced(Direction::kTransposed, Stacked(std::move(projected), rows), tolerance, &q)) return false;
-  const Eigen::MatrixXd lambda = q.bottomRows(rows.rows());
-  *y = z->velocities = TopRows(std::move(q), rows.rows());
-  if (in_contact_) {
-    elimination_->AddFrictionTransposed(y);
-    Eigen::MatrixXd balance = TimesStiffness(*y);
-    if (has_pairs()) pairs_->SubtractForces(true, lambda, &balance);
-    z->velocities = elimination_->RecoverAdjoint(momentum, z->velocities, balance);
+  Eigen::MatrixXd q = momentum;
+  if (has_pairs()) {
+    known.setZero(q.rows(), q.cols());
+    pairs_->FollowTo(true, rows, &known);
+    q -= TimesStiffness(known);
+    pairs_->Unload(true, &q);
   }
+  if (in_contact_) elimination_->Project(&q);
+  if (num_loose_rows() > 0) q = Stacked(std::move(q), pairs_->LooseRest(true, rows, known));
+  if (!SolveReduced(Direction::kTransposed, Eigen::MatrixXd(q), tolerance, &q)) return false;
+  const Eigen::MatrixXd loose = q.bottomRows(num_loose_rows());
+  *y = VelocitiesOf(Direction::kTransposed, std::move(q));
+  if (has_pairs()) *y += known;
+  Eigen::MatrixXd balance, lambda(0, y->cols());
+  if (in_contact_ || has_pairs()) balance = TimesStiffness(*y);
+  if (has_pairs()) {
+    balance -= momentum;
+    lambda = pairs_->Multipliers(true, loose, &balance);
+    balance += momentum;
+  }
+  z->velocities = in_contact_ ? elimination_->RecoverAdjoint(momentum, *y, balance) : *y;
   z->impulses = may_have_pairs() ? pairs_->AdjointImpulses(-lambda, right.impulses, *y) : right.impulses;
   return true;
 }

@@ -1,5 +1,6 @@
 // A = (I + S) K - S D, the matrix of Eq. (29) of the DiffCloth paper (P - dP - dR there), at one point: factor, solve.
-// Where the cloth touches itself, that in (v, r) of sim/contact/pair_elimination.h.
+// Where the cloth touches itself, that in (v, r) of sim/contact/pair_elimination.h. Contacts of both kinds are
+// eliminated, so that the pattern is always that of K.
 //
 // A factor outlives the point at which it was made: at a point near by it still is a preconditioner, for a fraction of
 // the cost of a new one.
@@ -22,17 +23,13 @@
 
 namespace clothid {
 
-class WidePattern;
-
-// The Cholesky factor of a reduced matrix, in the local frames that its slipping nodes had. Shared, never changed.
+// The Cholesky factor of the matrix that contacts with obstacles leave of K, in the local frames that slipping nodes
+// had. Shared, never changed.
 struct ReducedFactor {
-  std::shared_ptr<const CholeskyFactor> cholesky;  // null: there is but a pattern, for another factor
+  std::shared_ptr<const CholeskyFactor> cholesky;
   std::vector<LocalFrame> frames;
-  // Where the cloth may touch itself: its pattern, null for that of the model, and the contacts of its point.
-  std::shared_ptr<const WidePattern> pattern = nullptr;
-  ContactRecords contacts = {};
 
-  std::size_t bytes() const;
+  std::size_t bytes() const { return cholesky->bytes() + frames.size() * sizeof(LocalFrame); }
 };
 
 // Columns over the unknowns (v, r) or the equations of a step.
@@ -70,26 +67,17 @@ class StepJacobian {
   // A at a point: `hessian` is K and must outlive the solves.
   void SetPoint(const BlockMatrix& hessian, const ContactSet& contacts);
 
-  // Factors A at the point. Pairs in contact want a pattern of their own: that at hand, or, where it lacks one of them,
-  // a new one that covers all pairs of the point, with a new order of elimination. False where the reduced matrix is
-  // not positive definite or A is singular, and for kLu where pairs are in contact.
+  // Factors A at the point. False where the reduced matrix is not positive definite or A is singular, and for kLu where
+  // pairs are in contact.
   bool Factor(Method method);
 
   // Both at once.
   bool Factor(Method method, const BlockMatrix& hessian, const ContactSet& contacts);
 
   // The factor of the reduced matrix that solves use: of the last Factor(kReduced), whatever the point was, or the one
-  // given here, whose pattern then is at hand. Null: none.
+  // given here. Null: none.
   const std::shared_ptr<const ReducedFactor>& factor() const { return factor_; }
   void SetFactor(std::shared_ptr<const ReducedFactor> factor);
-  // Whether there is a factor that may solve where `contacts` are: made where the cloth does not touch itself either,
-  // or where at most `most` contacts were others or in other branches.
-  bool HasFactorNear(const ContactSet& contacts, int most) const;
-  const std::shared_ptr<const WidePattern>& pattern() const { return pattern_; }  // at hand; null: none
-  void SetPattern(std::shared_ptr<const WidePattern> pattern) { pattern_ = std::move(pattern); }
-  // Forgets factor and pattern.
-  void Reset();
-
   // A (dv, dr) = right to a relative residual of `tolerance` wherever the solution is iterative: with a factor of
   // another point, with friction, or with pairs in contact. False: it was not reached, or, for one right-hand side with
   // a factor of another point, a direction of negative curvature was met.
@@ -98,9 +86,8 @@ class StepJacobian {
   // A^T (z, rho) = right and y = (I + S)^T z.
   bool SolveTransposed(const StepColumns& right, double tolerance, StepColumns* z, Eigen::MatrixXd* y);
 
-  // Floating-point operations of a factorisation over the entries of L, of the factor at hand where there is one: what
-  // one costs in solves grows with that.
-  double factor_flops_per_entry() const;
+  // Floating-point operations of a factorisation over the entries of L: what one costs in solves grows with that.
+  double factor_flops_per_entry() const { return cholesky_.num_flops() / cholesky_.num_entries(); }
 
   int iterations() const { return iterations_; }  // of the last solve; 0: direct
 
@@ -112,20 +99,25 @@ class StepJacobian {
 
  private:
   enum class Direction { kForward, kTransposed };
-  // Where pairs are in contact, q and right are (q, lambda) and its right-hand side, one above the other.
+  // Right side and solution of the reduced system, above those of loose pairs.
   bool SolveReduced(Direction direction, const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* q);
   bool SolveByConjugateGradients(const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* q);
   Eigen::MatrixXd TimesStiffness(const Eigen::MatrixXd& velocities) const;  // K v, or K~ v
   Eigen::MatrixXd ApplyReduced(Direction direction, const Eigen::MatrixXd& q) const;
+  // What is left of the right sides of momentum and pairs where contacts give `known` velocities.
+  Eigen::MatrixXd ReducedRight(const Eigen::MatrixXd& momentum, const Eigen::MatrixXd& rows,
+                               Eigen::MatrixXd* known) const;
+  // The velocities that a solution of the reduced system stands for.
+  Eigen::MatrixXd VelocitiesOf(Direction direction, Eigen::MatrixXd q) const;
   void SolveWithFactor(const Eigen::MatrixXd& vectors, Eigen::MatrixXd* result);
   Eigen::MatrixXd ApplyFactor(const Eigen::MatrixXd& vectors);
-  Eigen::MatrixXd Precondition(const Eigen::MatrixXd& q);
-  const Eigen::VectorXd& ReducedValues(const BlockMatrix& matrix);  // of what a factor is made of
-  std::shared_ptr<const CholeskyFactor> FactorWithPairs();
+  Eigen::MatrixXd Precondition(Direction direction, const Eigen::MatrixXd& q);
+  const Eigen::VectorXd& ReducedValues();  // of what a factor is made of
   int MostIterations() const;
-  bool has_coupling() const { return in_contact_ && elimination_->has_coupling(); }
+  bool has_coupling() const;
   bool may_have_pairs() const { return pairs_ != nullptr && pairs_->num_pairs() > 0; }  // at the point
-  bool has_pairs() const { return pairs_ != nullptr && pairs_->num_rows() > 0; }        // in contact, likewise
+  bool has_pairs() const { return pairs_ != nullptr && pairs_->in_contact(); }          // in contact, likewise
+  Eigen::Index num_loose_rows() const { return has_pairs() ? pairs_->num_loose_rows() : 0; }
 
   const ClothModel& model_;
   Method method_ = Method::kReduced;
@@ -138,8 +130,6 @@ class StepJacobian {
   std::unique_ptr<ContactElimination> elimination_;  // null in a scene without obstacles
   bool in_contact_ = false;                          // with obstacles, at the point
   std::unique_ptr<PairElimination> pairs_;           // null in a scene without self-contact
-  ContactRecords closed_;                            // at the point, likewise
-  std::shared_ptr<const WidePattern> pattern_;       // the last one that was made or given; null: none
   Eigen::VectorXd values_;                           // of the factored matrix, where it is not K itself
   int iterations_ = 0;
   int num_threads_ = 1;

@@ -6,13 +6,11 @@
 namespace clothid {
 namespace {
 
-constexpr double kFlopsPerEntry = 18.0;    // of a factorisation, in the time that a solve takes per entry of L
-constexpr double kFewestIterations = 5.0;  // a linear solve that takes more may cost as much as a new factor, ...
-constexpr double kMostIterations = 10.0;   // ... one that takes more does
-constexpr int kDerivativeDigits = 8;       // that are asked of a derivative with a factor that was kept, ...
-constexpr int kDerivativeIterations = 5;   // ... in at most so many iterations, ...
-constexpr double kFewestSpared = 5.0, kMostSpared = 12.0;  // ... and as many as one with pairs takes as long as
-constexpr int kMostChanges = 4;               // of contacts since a factor with pairs was made, which then still serves
+constexpr double kFlopsPerEntry = 18.0;       // of a factorisation, in the time that a solve takes per entry of L
+constexpr double kFewestIterations = 5.0;     // a linear solve that takes more may cost as much as a new factor, ...
+constexpr double kMostIterations = 10.0;      // ... one that takes more does
+constexpr int kDerivativeDigits = 8;          // that are asked of a derivative with a factor that was kept, ...
+constexpr int kDerivativeIterations = 5;      // ... in at most so many iterations
 constexpr double kRefineTolerance = 1e-8;     // of the linear system of an iteration beyond the tolerance
 constexpr double kSufficientDecrease = 1e-4;  // Armijo
 constexpr int kMaxHalvings = 14;              // of the step length in a line search
@@ -82,7 +80,6 @@ bool StepSolver::SolveAgain(const StepProblem& problem, double tolerance, StepPo
 }
 
 void StepSolver::ClearImpulses(const StepProblem& problem, StepPoint* point) {
-  had_pairs_ = problem.contacts().may_touch_itself();
   problem.contacts().Recall({}, problem.time_step(), point);
   problem.contacts().Recall({}, problem.time_step(), &trial_);
 }
@@ -108,11 +105,7 @@ bool StepSolver::SolveFrom(const Task& task, StepPoint* point) {
 }
 
 std::shared_ptr<const ReducedFactor> StepSolver::end_factor() const {
-  if (ends_with_factors_ || (had_pairs_ && FactorServesDerivative())) return jacobian_.factor();
-  if (!had_pairs_ || jacobian_.pattern() == nullptr) return nullptr;
-  ReducedFactor none;
-  none.pattern = jacobian_.pattern();
-  return std::make_shared<const ReducedFactor>(std::move(none));
+  return ends_with_factors_ ? jacobian_.factor() : nullptr;
 }
 
 void StepSolver::Refine(const Task& task, StepPoint* point) {
@@ -129,7 +122,7 @@ void StepSolver::Refine(const Task& task, StepPoint* point) {
 // A new one, unless the one at hand brings a derivative to full accuracy in fewer iterations than that costs.
 void StepSolver::EndWithFactor(const Task& task, const StepPoint& point) {
   const ContactSet contacts = task.problem.ContactsAt(point);
-  if (jacobian_.HasFactorNear(contacts, 0) && FactorServesDerivative()) return;
+  if (FactorServesDerivative()) return;
   Assemble(task.problem, HessianKind::kExact, point);
   ++task.counts->factorizations;
   jacobian_.Factor(StepJacobian::Method::kReduced, hessian_, contacts);
@@ -138,12 +131,7 @@ void StepSolver::EndWithFactor(const Task& task, const StepPoint& point) {
 }
 
 bool StepSolver::FactorServesDerivative() const {
-  if (jacobian_.factor() == nullptr) return false;
-  double most = kDerivativeIterations;
-  if (jacobian_.factor()->pattern != nullptr) {
-    most += std::clamp(jacobian_.factor_flops_per_entry() / kFlopsPerEntry, kFewestSpared, kMostSpared);
-  }
-  return kDerivativeDigits * iterations_per_digit_ <= most;
+  return jacobian_.factor() != nullptr && kDerivativeDigits * iterations_per_digit_ <= kDerivativeIterations;
 }
 
 void StepSolver::Evaluate(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point) {
@@ -152,7 +140,7 @@ void StepSolver::Evaluate(const StepProblem& problem, const Eigen::VectorXd& vel
 }
 
 void StepSolver::Reset(bool end_with_factors) {
-  jacobian_.Reset();
+  jacobian_.SetFactor(nullptr);
   past_.Clear();
   memory_.clear();
   ends_with_factors_ = end_with_factors;
@@ -280,17 +268,15 @@ bool StepSolver::Search(const StepProblem& problem, const StepColumns& direction
   return LineSearch(problem, direction, exploring, point);
 }
 
-bool StepSolver::FactorAtHandServes(const ContactSet& contacts, double forcing) const {
-  if (!jacobian_.HasFactorNear(contacts, kMostChanges)) return false;
-  if (!contacts.pairs.empty()) return true;
-  return !new_factor_is_due_ && -std::log10(forcing) * iterations_per_digit_ <= refactor_iterations_;
+bool StepSolver::FactorAtHandServes(double forcing) const {
+  return jacobian_.factor() != nullptr && !new_factor_is_due_ &&
+         -std::log10(forcing) * iterations_per_digit_ <= refactor_iterations_;
 }
 
 bool StepSolver::Iterate(const Task& task, const IterationPlan& plan, StepPoint* point) {
   const ContactSet contacts = task.problem.ContactsAt(*point);
   StepColumns direction;
-  if (FactorAtHandServes(contacts, plan.forcing) &&
-      DirectionByFactorAtHand(task, contacts, *point, plan.forcing, &direction) &&
+  if (FactorAtHandServes(plan.forcing) && DirectionByFactorAtHand(task, contacts, *point, plan.forcing, &direction) &&
       Search(task.problem, direction, plan, point)) {
     return true;
   }

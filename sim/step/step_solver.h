@@ -28,8 +28,7 @@ class StepSolver {
   // last bit. `end_with_factors`: every Solve ends with a factor that serves the derivative of its step.
   void Reset(bool end_with_factors);
 
-  // After a Solve that ended with a factor: that one. Null otherwise, but where the cloth may touch itself the factor
-  // at hand, which costs nothing, or its pattern.
+  // After a Solve that ended with a factor: that one. Null otherwise.
   std::shared_ptr<const ReducedFactor> end_factor() const;
 
   // Solves `problem` from its start velocities, or from `guess` [3 Nf], which may be null; with a guess, one iteration
@@ -101,7 +100,7 @@ class StepSolver {
   // `trial_` at a length of `direction`.
   void Try(const StepProblem& problem, const StepPoint& point, const StepColumns& direction, double length);
   // Whether a solve to `forcing` is likely to take less than a new factor.
-  bool FactorAtHandServes(const ContactSet& contacts, double forcing) const;
+  bool FactorAtHandServes(double forcing) const;
   // Likewise of a derivative at the point of the last linear solve.
   bool FactorServesDerivative() const;
 
@@ -114,7 +113,6 @@ class StepSolver {
   PastAccelerations past_;
   PairMemory memory_;  // of the last step
   bool ends_with_factors_ = false;
-  bool had_pairs_ = false;             // the last problem
   double iterations_per_digit_ = 0.0;  // of solves with the factor at hand, as far as is known
   bool new_factor_is_due_ = false;     // the last solve with the one at hand took as long as a new one
 };

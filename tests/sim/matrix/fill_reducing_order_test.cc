@@ -37,22 +37,6 @@ TEST(FillReducingOrderTest, IsAPermutationThatReducesFill) {
   EXPECT_LT(10 * factor_bytes(renumbered), factor_bytes(hub_first));
 }
 
-// Two chains whose links take turns: the postorder has one after the other.
-TEST(FillReducingOrderTest, PostorderKeepsBranchesTogether) {
-  constexpr int kNodes = 20;
-  std::vector<std::vector<int>> chains(kNodes);
-  for (int node = 0; node + 2 < kNodes; ++node) {
-    chains[node].push_back(node + 2);
-    chains[node + 2].push_back(node);
-  }
-  const std::vector<int> order = Postorder(chains);
-  ASSERT_EQ(order.size(), static_cast<std::size_t>(kNodes));
-  for (int k = 1; k < kNodes; ++k) {
-    if (k == kNodes / 2) continue;  // from one chain to the other
-    EXPECT_EQ(order[k], order[k - 1] + 2) << k;
-  }
-}
-
 // METIS shares a random sequence among threads.
 TEST(FillReducingOrderTest, IsTheSameInEveryThread) {
   constexpr int kSide = 40;

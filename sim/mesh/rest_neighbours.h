@@ -1,6 +1,6 @@
 // The nodes of a cloth that belong together at rest, so that their contact says nothing.
-#ifndef CLOTHID_SIM_CONTACT_REST_NEIGHBOURS_H_
-#define CLOTHID_SIM_CONTACT_REST_NEIGHBOURS_H_
+#ifndef CLOTHID_SIM_MESH_REST_NEIGHBOURS_H_
+#define CLOTHID_SIM_MESH_REST_NEIGHBOURS_H_
 
 #include <vector>
 
@@ -23,4 +23,4 @@ class RestNeighbours {
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_CONTACT_REST_NEIGHBOURS_H_
+#endif  // CLOTHID_SIM_MESH_REST_NEIGHBOURS_H_

@@ -1,4 +1,4 @@
-#include "sim/contact/rest_neighbours.h"
+#include "sim/mesh/rest_neighbours.h"
 
 #include <algorithm>
 #include <cmath>
