@@ -32,7 +32,7 @@ void AdjointSolver::Solve(const StepRecord& record, const StepColumns& right, St
   if (SolveByMethod(record, right, step, z, y, work)) return;
   ++work->failed_solves;
   const ScopedTimer timer(&work->fallback_seconds);
-  if (!step->Factor(StepJacobian::Method::kLu) || !SolveByStepJacobian(right, step, z, y, work)) {
+  if (!step->FactorOtherwise() || !SolveByStepJacobian(right, step, z, y, work)) {
     throw std::runtime_error("singular step Jacobian");
   }
 }

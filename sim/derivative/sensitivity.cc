@@ -190,14 +190,14 @@ class TangentSolver {
     return {std::move(momentum.velocities), std::move(solution.impulses)};
   }
 
-  // With the factor that the record keeps, or a new one, or by LU.
+  // With the factor that the record keeps, or a new one, or by another method.
   bool SolveLinearized(const StepRecord& record, const StepColumns& momentum, const StateColumns& start,
                        StepDerivative* step, StepColumns* solution) const {
     const auto solve = [&] {
       return step->jacobian().Solve(RightSide(momentum, start, ids_, step), tolerance_, solution);
     };
     return (step->UseFactor(record.factor) && solve()) || (step->Factor(StepJacobian::Method::kReduced) && solve()) ||
-           (step->Factor(StepJacobian::Method::kLu) && solve());
+           (step->FactorOtherwise() && solve());
   }
 
   const Parameters& parameters_;

@@ -52,6 +52,14 @@ const AffineMotion* StepDerivative::motion_of(const Contact& contact) const {
 
 bool StepDerivative::Factor(StepJacobian::Method method) { return jacobian_.Factor(method, hessian_, contacts_); }
 
+bool StepDerivative::FactorOtherwise() {
+  if (num_impulses() == 0) return Factor(StepJacobian::Method::kLu);
+  BlockMatrix positive(model_.pattern());
+  AssembleStepHessian(model_, HessianKind::kClamped, point(), held_, &positive);
+  jacobian_.SetPoint(hessian_, contacts_);
+  return jacobian_.FactorInstead(positive);
+}
+
 bool StepDerivative::UseFactor(std::shared_ptr<const ReducedFactor> factor) {
   if (factor == nullptr) return false;
   jacobian_.SetPoint(hessian_, contacts_);

@@ -39,6 +39,9 @@ class StepDerivative {
 
   // Factors A. False where it fails.
   bool Factor(StepJacobian::Method method);
+  // Where that or its solves fail: LU, or, as that has no pairs of the cloth, a positive definite matrix near by as a
+  // preconditioner. False where it fails.
+  bool FactorOtherwise();
   // Solves with `factor`, which was made at the end of the step or near it, in its place. False where it is null.
   bool UseFactor(std::shared_ptr<const ReducedFactor> factor);
   StepJacobian& jacobian() { return jacobian_; }

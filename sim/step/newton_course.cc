@@ -25,11 +25,13 @@ constexpr int kIdleIterations = 3;           // without progress: a cycle of bra
 constexpr double kShortestPairLength = 0.2;  // ... from a half to about this
 constexpr double kProgressOfSize = 0.95;     // of the lowest one: progress
 constexpr int kMostPairIterations = 60;      // more of them seldom end: a shorter step does
+constexpr int kEasyIterations = 20;          // after these many the step is hard, and linear systems ...
+constexpr double kHardForcing = 1e-4;        // ... are solved to this tolerance
 
 // The tolerance of a linear system where the last iteration has left `ratio` of the residual: the forcing term of
-// Eisenstat and Walker 1996, choice 2, but no more accurate than is needed where `left` of the residual may be left.
-double Forcing(double ratio, bool changes, double left) {
-  const double largest = changes ? kForcingInContact : kLargestForcing;
+// Eisenstat and Walker 1996, choice 2, at most `largest`, but no more accurate than is needed where `left` of the
+// residual may be left.
+double Forcing(double ratio, double largest, double left) {
   return std::max(std::min(largest, kForcing * ratio * ratio), kGoalShare * left);
 }
 
@@ -74,7 +76,7 @@ class ObstacleCourse : public NewtonCourse {
     plan.is_swept =
         may_change && (iteration_ == 0 ? InContact(point) : BranchesDiffer(point.responses, before.responses));
     const double residual = point.relative_residual, ratio = last_ > 0.0 ? residual / last_ : 1.0;
-    plan.forcing = Forcing(ratio, plan.is_swept, goal / residual);
+    plan.forcing = Forcing(ratio, plan.is_swept ? kForcingInContact : kLargestForcing, goal / residual);
     const bool cycles = iteration_ >= 2 && point.relative_residual > kSlowProgress * before_last_ &&
                         change_.dot(last_change_) < -kReversal * change_.norm() * last_change_.norm();
     first_length_ = cycles ? std::max(0.5 * first_length_, kShortestFirstLength) : std::min(2.0 * first_length_, 1.0);
@@ -120,7 +122,9 @@ class PairCourse : public NewtonCourse {
     plan.is_swept = problem_.contacts().may_touch() &&
                     (is_settled ? num_settled_ <= kSweptSettled : iteration_ < kSweptPairIterations);
     plan.first_length = length_;
-    plan.forcing = Forcing(iteration_ == 0 ? 1.0 : size / last_, !is_settled, goal / point.relative_residual);
+    const double easy = is_settled ? kLargestForcing : kForcingInContact;
+    plan.forcing = Forcing(iteration_ == 0 ? 1.0 : size / last_, iteration_ < kEasyIterations ? easy : kHardForcing,
+                           goal / point.relative_residual);
     last_ = size;
     ++iteration_;
     return plan;

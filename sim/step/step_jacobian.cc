@@ -49,7 +49,7 @@ void StepJacobian::SetNumThreads(int num_threads) {
 void StepJacobian::SetPoint(const BlockMatrix& hessian, const ContactSet& contacts) {
   method_ = Method::kReduced;
   hessian_ = &hessian;
-  factor_is_of_point_ = false;
+  factor_is_of_point_ = is_factored_instead_ = false;
   in_contact_ = !contacts.nodes.empty();
   if (!in_contact_ && pairs_ == nullptr) return;
   const ScopedTimer timer(&seconds_.contact);
@@ -63,13 +63,13 @@ void StepJacobian::SetPoint(const BlockMatrix& hessian, const ContactSet& contac
 void StepJacobian::SetFactor(std::shared_ptr<const ReducedFactor> factor) {
   if (factor != factor_) preconditioner_.Set(nullptr);
   factor_ = std::move(factor);
-  factor_is_of_point_ = false;
+  factor_is_of_point_ = is_factored_instead_ = false;
 }
 
-const Eigen::VectorXd& StepJacobian::ReducedValues() {
-  if (!in_contact_) return hessian_->values;
+const Eigen::VectorXd& StepJacobian::ReducedValues(const BlockMatrix& matrix) {
+  if (!in_contact_) return matrix.values;
   const ScopedTimer timer(&seconds_.contact);
-  elimination_->Reduce(*hessian_, &values_);
+  elimination_->Reduce(matrix, &values_);
   return values_;
 }
 
@@ -82,16 +82,27 @@ bool StepJacobian::Factor(Method method) {
     if (lu_ == nullptr) lu_ = std::make_unique<LuFactor>(model_.pattern());
     return lu_->Factor(in_contact_ ? values_ : hessian_->values);
   }
+  factor_is_of_point_ = FactorReduced(*hessian_);
+  return factor_is_of_point_;
+}
+
+bool StepJacobian::FactorInstead(const BlockMatrix& positive) {
+  method_ = Method::kReduced;
+  is_factored_instead_ = FactorReduced(positive);
+  return is_factored_instead_;
+}
+
+bool StepJacobian::FactorReduced(const BlockMatrix& matrix) {
   factor_.reset();  // first, so that its memory can be used again
   preconditioner_.Set(nullptr);
-  const Eigen::VectorXd& values = ReducedValues();
+  factor_is_of_point_ = is_factored_instead_ = false;
+  const Eigen::VectorXd& values = ReducedValues(matrix);
   const ScopedTimer timer(&seconds_.factorization);
   ReducedFactor factor;
   factor.cholesky = cholesky_.Factor(values, team_.get());
   if (factor.cholesky == nullptr) return false;
   if (in_contact_) factor.frames = elimination_->SlipFrames();
   factor_ = std::make_shared<const ReducedFactor>(std::move(factor));
-  factor_is_of_point_ = true;
   return true;
 }
 
@@ -192,7 +203,7 @@ bool StepJacobian::SolveReduced(Direction direction, const Eigen::MatrixXd& righ
     return true;
   }
   if (!has_coupling() && right.cols() == 1) return SolveByConjugateGradients(right, tolerance, q);
-  const bool has_alternative = !factor_is_of_point_ && tolerance > kFewDigits;
+  const bool has_alternative = !factor_is_of_point_ && !is_factored_instead_ && tolerance > kFewDigits;
   const GmresResult result = Gmres([&](const Eigen::MatrixXd& v) { return ApplyReduced(direction, v); },
                                    [&](const Eigen::MatrixXd& v) { return Precondition(direction, v); }, right,
                                    tolerance, {MostIterations(), has_alternative}, q);
@@ -212,7 +223,7 @@ bool StepJacobian::has_coupling() const {
 }
 
 int StepJacobian::MostIterations() const {
-  if (!factor_is_of_point_) return kMaxLaggedIterations;
+  if (!factor_is_of_point_ && !is_factored_instead_) return kMaxLaggedIterations;
   return has_pairs() ? kMaxPairIterations : kMaxKrylovIterations;
 }
 

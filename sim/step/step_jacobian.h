@@ -74,6 +74,10 @@ class StepJacobian {
   // Both at once.
   bool Factor(Method method, const BlockMatrix& hessian, const ContactSet& contacts);
 
+  // Where pairs are in contact, K itself may be indefinite, although what they leave of it is not. Factors `positive`,
+  // which is near K, to precondition A at the point.
+  bool FactorInstead(const BlockMatrix& positive);
+
   // The factor of the reduced matrix that solves use: of the last Factor(kReduced), whatever the point was, or the one
   // given here. Null: none.
   const std::shared_ptr<const ReducedFactor>& factor() const { return factor_; }
@@ -112,7 +116,8 @@ class StepJacobian {
   void SolveWithFactor(const Eigen::MatrixXd& vectors, Eigen::MatrixXd* result);
   Eigen::MatrixXd ApplyFactor(const Eigen::MatrixXd& vectors);
   Eigen::MatrixXd Precondition(Direction direction, const Eigen::MatrixXd& q);
-  const Eigen::VectorXd& ReducedValues();  // of what a factor is made of
+  bool FactorReduced(const BlockMatrix& matrix);
+  const Eigen::VectorXd& ReducedValues(const BlockMatrix& matrix);  // of what a factor is made of
   int MostIterations() const;
   bool has_coupling() const;
   bool may_have_pairs() const { return pairs_ != nullptr && pairs_->num_pairs() > 0; }  // at the point
@@ -126,6 +131,7 @@ class StepJacobian {
   std::shared_ptr<const ReducedFactor> factor_;
   SinglePrecisionFactor preconditioner_;  // the factor, where it is large and of another point
   bool factor_is_of_point_ = false;
+  bool is_factored_instead_ = false;                 // the point has no factor of its own
   std::unique_ptr<LuFactor> lu_;                     // made when first asked for
   std::unique_ptr<ContactElimination> elimination_;  // null in a scene without obstacles
   bool in_contact_ = false;                          // with obstacles, at the point
