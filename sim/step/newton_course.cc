@@ -122,9 +122,9 @@ class PairCourse : public NewtonCourse {
     plan.is_swept = problem_.contacts().may_touch() &&
                     (is_settled ? num_settled_ <= kSweptSettled : iteration_ < kSweptPairIterations);
     plan.first_length = length_;
-    const double easy = is_settled ? kLargestForcing : kForcingInContact;
-    plan.forcing = Forcing(iteration_ == 0 ? 1.0 : size / last_, iteration_ < kEasyIterations ? easy : kHardForcing,
-                           goal / point.relative_residual);
+    plan.forcing =
+        Forcing(iteration_ == 0 ? 1.0 : size / last_, iteration_ < kEasyIterations ? kLargestForcing : kHardForcing,
+                goal / point.relative_residual);
     last_ = size;
     ++iteration_;
     return plan;
