@@ -17,6 +17,8 @@ constexpr int kMaxPairIterations = 120;  // likewise, where pairs are in contact
 constexpr int kMaxLaggedIterations = 24;
 // A tolerance above this asks for few digits: a solve with the factor of another point may then give up early, too.
 constexpr double kFewDigits = 1e-6;
+// A pair that finds no slave may depend on others: an impulse larger than its right side by this is not determined.
+constexpr double kLargestLooseImpulse = 1e7;
 // Preconditioners from this size on are in single precision: 24 x 24 nodes have 0.7 to 2 MB. Smaller ones are not
 // waited for, and would gain less than a twentieth.
 constexpr std::size_t kSinglePrecisionBytes = 512 * 1024;
@@ -242,9 +244,11 @@ bool StepJacobian::Solve(const StepColumns& right, double tolerance, StepColumns
     momentum += impulse;
     rows = pairs_->RightRows(right.impulses);
   }
-  Eigen::MatrixXd q = ReducedRight(momentum, rows, &known);
-  if (!SolveReduced(Direction::kForward, Eigen::MatrixXd(q), tolerance, &q)) return false;
+  const Eigen::MatrixXd reduced = ReducedRight(momentum, rows, &known);
+  Eigen::MatrixXd q;
+  if (!SolveReduced(Direction::kForward, reduced, tolerance, &q)) return false;
   const Eigen::MatrixXd loose = q.bottomRows(num_loose_rows());
+  if (loose.norm() > kLargestLooseImpulse * reduced.norm()) return false;
   solution->velocities = VelocitiesOf(Direction::kForward, std::move(q));
   if (known.size() > 0) solution->velocities += known;
   solution->impulses = right.impulses;
