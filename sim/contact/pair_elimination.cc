@@ -314,8 +314,8 @@ Eigen::MatrixXd PairElimination::Relative(const Eigen::MatrixXd& velocities) con
   return relative;
 }
 
-Eigen::MatrixXd PairElimination::Spread(const Eigen::MatrixXd& impulses, Eigen::Index size) const {
-  Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(size, impulses.cols());
+Eigen::MatrixXd PairElimination::Spread(const Eigen::MatrixXd& impulses) const {
+  Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(size_, impulses.cols());
   for (Eigen::Index c = 0; c < impulses.cols(); ++c) {
     const double* from = ColumnOf(impulses, c);
     for (const Pair& pair : pairs_) {
@@ -345,7 +345,7 @@ Eigen::MatrixXd PairElimination::KnownMomentum(const Eigen::MatrixXd& s) const {
     known.middleRows<3>(row) =
         pair.Impulse(Eigen::MatrixXd::Zero(pair.num_rows(), s.cols()), s.middleRows<3>(row), at_rest);
   }
-  return Spread(known, size_);
+  return Spread(known);
 }
 
 Eigen::MatrixXd PairElimination::RightRows(const Eigen::MatrixXd& s) const {
@@ -387,7 +387,7 @@ Eigen::MatrixXd PairElimination::KnownMomentumTransposed(const Eigen::MatrixXd& 
     const Eigen::Vector3d b = pairs_[c].frame.col(2);
     sides.middleRows<3>(row) = pairs_[c].stiffness * b * (b.transpose() * s.middleRows<3>(row));
   }
-  return Spread(sides, size_);
+  return Spread(sides);
 }
 
 Eigen::MatrixXd PairElimination::RightRowsTransposed(const Eigen::MatrixXd& s) const {

@@ -120,7 +120,7 @@ class PairElimination {
   void NumberRows(const BlockMatrix& hessian);
   void FactorLooseRows(const BlockMatrix& hessian);
   Eigen::MatrixXd Relative(const Eigen::MatrixXd& velocities) const;  // J v
-  Eigen::MatrixXd Spread(const Eigen::MatrixXd& impulses, Eigen::Index size) const;
+  Eigen::MatrixXd Spread(const Eigen::MatrixXd& impulses) const;      // J^T r
 
   std::vector<Pair> pairs_;
   std::vector<int> order_;  // of those with slaves, masters before slaves

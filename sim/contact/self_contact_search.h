@@ -25,10 +25,10 @@
 #include <vector>
 
 #include "sim/contact/pair_geometry.h"
-#include "sim/mesh/rest_neighbours.h"
 #include "sim/geometry/box_tree.h"
 #include "sim/geometry/normal_cones.h"
 #include "sim/mesh/mesh.h"
+#include "sim/mesh/rest_neighbours.h"
 
 namespace clothid {
 

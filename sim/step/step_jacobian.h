@@ -82,6 +82,7 @@ class StepJacobian {
   // given here. Null: none.
   const std::shared_ptr<const ReducedFactor>& factor() const { return factor_; }
   void SetFactor(std::shared_ptr<const ReducedFactor> factor);
+
   // A (dv, dr) = right to a relative residual of `tolerance` wherever the solution is iterative: with a factor of
   // another point, with friction, or with pairs in contact. False: it was not reached, or, for one right-hand side with
   // a factor of another point, a direction of negative curvature was met.

@@ -121,11 +121,10 @@ void StepSolver::Refine(const Task& task, StepPoint* point) {
 
 // A new one, unless the one at hand brings a derivative to full accuracy in fewer iterations than that costs.
 void StepSolver::EndWithFactor(const Task& task, const StepPoint& point) {
-  const ContactSet contacts = task.problem.ContactsAt(point);
   if (FactorServesDerivative()) return;
   Assemble(task.problem, HessianKind::kExact, point);
   ++task.counts->factorizations;
-  jacobian_.Factor(StepJacobian::Method::kReduced, hessian_, contacts);
+  jacobian_.Factor(StepJacobian::Method::kReduced, hessian_, task.problem.ContactsAt(point));
   iterations_per_digit_ = 0.0;
   new_factor_is_due_ = false;
 }
