@@ -126,7 +126,7 @@ struct SolverOptions {
   double step_tolerance = 1e-8;      // residual of a step, relative to its largest term; at least the rounding floor
   double adjoint_tolerance = 1e-12;  // relative residual of the linear solves of both derivative sweeps
   int max_newton_iterations = 200;   // from one start
-  int max_substep_halvings = 4;      // h/2, h/4, .. before a step counts as failed
+  int max_substep_halvings = 6;      // h/2, h/4, .. before a step counts as failed
 };
 
 struct Scene {
