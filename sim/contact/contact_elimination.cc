@@ -37,6 +37,7 @@ void ToWorld(const std::vector<LocalFrame>& frames, Eigen::MatrixXd* vectors) {
 
 void ContactElimination::SetContacts(const std::vector<Contact>& contacts, const std::vector<int>& free_index) {
   nodes_.clear();
+  nodes_.reserve(contacts.size());
   has_coupling_ = false;
   for (const Contact& contact : contacts) {
     Node node;
@@ -61,12 +62,79 @@ void ContactElimination::SetContacts(const std::vector<Contact>& contacts, const
   }
 }
 
-std::vector<LocalFrame> ContactElimination::SlipFrames() const {
-  std::vector<LocalFrame> frames;
+Eigen::Matrix3d ContactElimination::Node::projection() const {
+  if (branch == ContactBranch::kStick) return Eigen::Matrix3d::Zero();
+  return Eigen::Matrix3d::Identity() - frame.col(0) * frame.col(0).transpose();
+}
+
+HeldBlocks ContactElimination::Held() const {
+  HeldBlocks held;
   for (const Node& node : nodes_) {
-    if (node.branch == ContactBranch::kSlip) frames.push_back({node.block, node.frame});
+    if (node.branch == ContactBranch::kSlip) {
+      held.slipping.push_back({node.block, node.frame});
+    } else {
+      held.sticking.push_back(node.block);
+    }
   }
-  return frames;
+  return held;
+}
+
+std::vector<int> ContactElimination::Places(int num_blocks) const {
+  std::vector<int> places(num_blocks, -1);
+  for (std::size_t i = 0; i < nodes_.size(); ++i) places[nodes_[i].block] = static_cast<int>(i);
+  return places;
+}
+
+// A normal that has turned while its node slips counts as the same.
+std::vector<FreedBlock> ContactElimination::FreedSince(const HeldBlocks& before, int num_blocks) const {
+  const std::vector<int> places = Places(num_blocks);
+  std::vector<FreedBlock> freed;
+  for (const int block : before.sticking) {
+    if (places[block] < 0) {
+      freed.push_back({block, Eigen::Matrix3d::Identity()});
+    } else if (nodes_[places[block]].branch == ContactBranch::kSlip) {
+      freed.push_back({block, nodes_[places[block]].projection()});
+    }
+  }
+  for (const LocalFrame& frame : before.slipping) {
+    const Eigen::Vector3d n = frame.axes.col(0);
+    if (places[frame.block] < 0) freed.push_back({frame.block, n * n.transpose()});
+  }
+  std::sort(freed.begin(), freed.end(), [](const FreedBlock& a, const FreedBlock& b) { return a.block < b.block; });
+  return freed;
+}
+
+Eigen::SparseMatrix<double> ContactElimination::ReducedColumns(const BlockMatrix& matrix,
+                                                               const std::vector<int>& blocks) const {
+  const BlockPattern& pattern = matrix.pattern();
+  const std::vector<int> places = Places(pattern.num_blocks());
+  const auto projection = [&](int block) -> Eigen::Matrix3d {
+    return places[block] < 0 ? Eigen::Matrix3d::Identity() : nodes_[places[block]].projection();
+  };
+  Eigen::SparseMatrix<double> columns(pattern.size(), 3 * static_cast<Eigen::Index>(blocks.size()));
+  Eigen::VectorXi sizes(columns.cols());
+  for (std::size_t j = 0; j < blocks.size(); ++j) {
+    sizes.segment<3>(3 * static_cast<Eigen::Index>(j)).setConstant(3 * pattern.num_rows(blocks[j]));
+  }
+  columns.reserve(sizes);
+  for (std::size_t j = 0; j < blocks.size(); ++j) {
+    const int block = blocks[j];
+    const Eigen::Matrix3d right = projection(block);
+    for (int k = 0; k < pattern.num_rows(block); ++k) {
+      const int row = pattern.rows_begin(block)[k];
+      Eigen::Matrix3d reduced = projection(row) * matrix.block(pattern.Position(block, k)) * right;
+      if (row == block && places[block] >= 0) {
+        const Node& node = nodes_[places[block]];
+        const Eigen::Vector3d b = node.frame.col(2);
+        reduced += node.weight * (Eigen::Matrix3d::Identity() - right) + node.slip_stiffness * b * b.transpose();
+      }
+      for (int c = 0; c < 3; ++c) {
+        for (int r = 0; r < 3; ++r) columns.insert(3 * row + r, 3 * static_cast<Eigen::Index>(j) + c) = reduced(r, c);
+      }
+    }
+  }
+  columns.makeCompressed();
+  return columns;
 }
 
 void ContactElimination::Reduce(const BlockMatrix& matrix, Eigen::VectorXd* values) const {

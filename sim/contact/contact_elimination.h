@@ -8,6 +8,7 @@
 #define CLOTHID_SIM_CONTACT_CONTACT_ELIMINATION_H_
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <vector>
 
 #include "sim/contact/contact.h"
@@ -21,6 +22,21 @@ struct LocalFrame {
   Eigen::Matrix3d axes;
 };
 
+// What the eliminated rows of a reduced matrix belong to: the normals of slipping nodes, and sticking nodes, by blocks.
+struct HeldBlocks {
+  std::vector<LocalFrame> slipping;
+  std::vector<int> sticking;
+
+  bool empty() const { return slipping.empty() && sticking.empty(); }
+  std::size_t bytes() const { return slipping.size() * sizeof(LocalFrame) + sticking.size() * sizeof(int); }
+};
+
+// Directions of a block that contacts hold no more: those that `projection` leaves as they are.
+struct FreedBlock {
+  int block;
+  Eigen::Matrix3d projection;
+};
+
 // In place on [3 Nf x s]: from world axes to those of the frames, and back.
 void ToLocal(const std::vector<LocalFrame>& frames, Eigen::MatrixXd* vectors);
 void ToWorld(const std::vector<LocalFrame>& frames, Eigen::MatrixXd* vectors);
@@ -32,10 +48,14 @@ class ContactElimination {
 
   bool has_coupling() const { return has_coupling_; }  // a slipping node with mu > 0
 
-  std::vector<LocalFrame> SlipFrames() const;
+  HeldBlocks Held() const;
+  // What `before` holds and the contacts do not, ascending by blocks, of which there are `num_blocks`.
+  std::vector<FreedBlock> FreedSince(const HeldBlocks& before, int num_blocks) const;
 
   // values <- the reduced symmetric matrix in the local frames; `matrix` is K.
   void Reduce(const BlockMatrix& matrix, Eigen::VectorXd* values) const;
+  // The columns of `blocks`, which ascend, of the same matrix in world axes [3 Nf x 3 blocks].
+  Eigen::SparseMatrix<double> ReducedColumns(const BlockMatrix& matrix, const std::vector<int>& blocks) const;
 
   // In place on [3 Nf x s]: Z Z^T v, without normals of slipping and without sticking nodes.
   void Project(Eigen::MatrixXd* vectors) const;
@@ -71,7 +91,12 @@ class ContactElimination {
     double weight;                // d
     double slip_stiffness;        // kappa
     double slip_compliance;       // 1/(1 + c)
+
+    // Z Z^T: onto what the contact leaves free.
+    Eigen::Matrix3d projection() const;
   };
+  // [num_blocks] the place of their nodes in `nodes_`; -1: those touch nothing.
+  std::vector<int> Places(int num_blocks) const;
 
   std::vector<Node> nodes_;
   bool has_coupling_ = false;

@@ -250,6 +250,7 @@ void StepContacts::Remember(const ContactPoint& point, double time_step, PairMem
 
 void StepContacts::ContactsAt(const ContactFriction& friction, const ContactPoint& point, ContactSet* contacts) const {
   contacts->nodes.clear();
+  contacts->nodes.reserve(candidates_.size());
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
     if (point.responses[i].branch == ContactBranch::kTakeOff) continue;
     const ContactCandidate& candidate = candidates_[i];

@@ -22,6 +22,8 @@ constexpr double kLargestLooseImpulse = 1e7;
 // Preconditioners from this size on are in single precision: 24 x 24 nodes have 0.7 to 2 MB. Smaller ones are not
 // waited for, and would gain less than a twentieth.
 constexpr std::size_t kSinglePrecisionBytes = 512 * 1024;
+// Of L, from which on a new one costs more than what spares it (sim/step/freed_nodes.h): about 44 x 44 nodes.
+constexpr double kLargeFactorEntries = 8e5;
 
 Eigen::MatrixXd Stacked(Eigen::MatrixXd top, const Eigen::MatrixXd& bottom) {
   if (bottom.rows() == 0) return top;
@@ -39,6 +41,7 @@ Eigen::MatrixXd TopRows(Eigen::MatrixXd stacked, Eigen::Index num_below) {
 
 StepJacobian::StepJacobian(const ClothModel& model) : model_(model), cholesky_(model.pattern()) {
   if (model.has_contact()) elimination_ = std::make_unique<ContactElimination>();
+  if (model.has_contact() && cholesky_.num_entries() >= kLargeFactorEntries) freed_ = std::make_unique<FreedNodes>();
   if (model.scene().self_contact) pairs_ = std::make_unique<PairElimination>();
 }
 
@@ -51,7 +54,7 @@ void StepJacobian::SetNumThreads(int num_threads) {
 void StepJacobian::SetPoint(const BlockMatrix& hessian, const ContactSet& contacts) {
   method_ = Method::kReduced;
   hessian_ = &hessian;
-  factor_is_of_point_ = is_factored_instead_ = false;
+  factor_is_of_point_ = is_factored_instead_ = freed_are_known_ = false;
   in_contact_ = !contacts.nodes.empty();
   if (!in_contact_ && pairs_ == nullptr) return;
   const ScopedTimer timer(&seconds_.contact);
@@ -65,7 +68,18 @@ void StepJacobian::SetPoint(const BlockMatrix& hessian, const ContactSet& contac
 void StepJacobian::SetFactor(std::shared_ptr<const ReducedFactor> factor) {
   if (factor != factor_) preconditioner_.Set(nullptr);
   factor_ = std::move(factor);
-  factor_is_of_point_ = is_factored_instead_ = false;
+  factor_is_of_point_ = is_factored_instead_ = freed_are_known_ = false;
+}
+
+// Nothing where the factor is of this point.
+void StepJacobian::FindFreedNodes() {
+  if (freed_ == nullptr || freed_are_known_) return;
+  const ScopedTimer timer(&seconds_.contact);
+  freed_are_known_ = true;
+  freed_->Clear();
+  if (factor_is_of_point_ || is_factored_instead_ || factor_ == nullptr || factor_->held.empty()) return;
+  if (!in_contact_) elimination_->SetContacts({}, model_.free_index());
+  freed_->Find(*hessian_, *elimination_, factor_->held);
 }
 
 const Eigen::VectorXd& StepJacobian::ReducedValues(const BlockMatrix& matrix) {
@@ -97,13 +111,13 @@ bool StepJacobian::FactorInstead(const BlockMatrix& positive) {
 bool StepJacobian::FactorReduced(const BlockMatrix& matrix) {
   factor_.reset();  // first, so that its memory can be used again
   preconditioner_.Set(nullptr);
-  factor_is_of_point_ = is_factored_instead_ = false;
+  factor_is_of_point_ = is_factored_instead_ = freed_are_known_ = false;
   const Eigen::VectorXd& values = ReducedValues(matrix);
   const ScopedTimer timer(&seconds_.factorization);
   ReducedFactor factor;
   factor.cholesky = cholesky_.Factor(values, team_.get());
   if (factor.cholesky == nullptr) return false;
-  if (in_contact_) factor.frames = elimination_->SlipFrames();
+  if (in_contact_) factor.held = elimination_->Held();
   factor_ = std::make_shared<const ReducedFactor>(std::move(factor));
   return true;
 }
@@ -125,18 +139,24 @@ void StepJacobian::SolveWithFactor(const Eigen::MatrixXd& vectors, Eigen::Matrix
 
 // Symmetric and positive definite on the vectors that the contacts of the point leave free, whatever those of the
 // factor were.
-Eigen::MatrixXd StepJacobian::ApplyFactor(const Eigen::MatrixXd& vectors) {
+Eigen::MatrixXd StepJacobian::ApplyHeldFactor(const Eigen::MatrixXd& vectors) {
+  const std::vector<LocalFrame>& frames = factor_->held.slipping;
   Eigen::MatrixXd result;
-  if (factor_->frames.empty()) {
+  if (frames.empty()) {
     SolveWithFactor(vectors, &result);
   } else {
     Eigen::MatrixXd local = vectors;
-    ToLocal(factor_->frames, &local);
+    ToLocal(frames, &local);
     SolveWithFactor(local, &result);
-    ToWorld(factor_->frames, &result);
+    ToWorld(frames, &result);
   }
   if (in_contact_) elimination_->Project(&result);
   return result;
+}
+
+Eigen::MatrixXd StepJacobian::ApplyFactor(const Eigen::MatrixXd& vectors) {
+  if (freed_ == nullptr) return ApplyHeldFactor(vectors);
+  return freed_->Apply([this](const Eigen::MatrixXd& v) { return ApplyHeldFactor(v); }, vectors);
 }
 
 // Z B Z^T of pair_elimination.h where pairs are in contact.
@@ -204,8 +224,9 @@ bool StepJacobian::SolveReduced(Direction direction, const Eigen::MatrixXd& righ
     *q = ApplyFactor(right);
     return true;
   }
-  if (!has_coupling() && right.cols() == 1) return SolveByConjugateGradients(right, tolerance, q);
   const bool has_alternative = !factor_is_of_point_ && !is_factored_instead_ && tolerance > kFewDigits;
+  if (has_alternative && freed_ != nullptr && freed_->are_too_many()) return false;
+  if (!has_coupling() && right.cols() == 1) return SolveByConjugateGradients(right, tolerance, q);
   const GmresResult result = Gmres([&](const Eigen::MatrixXd& v) { return ApplyReduced(direction, v); },
                                    [&](const Eigen::MatrixXd& v) { return Precondition(direction, v); }, right,
                                    tolerance, {MostIterations(), has_alternative}, q);
@@ -230,6 +251,7 @@ int StepJacobian::MostIterations() const {
 }
 
 bool StepJacobian::Solve(const StepColumns& right, double tolerance, StepColumns* solution) {
+  FindFreedNodes();
   const ScopedTimer timer(&seconds_.solution);
   iterations_ = 0;
   if (method_ == Method::kLu) {
@@ -281,6 +303,7 @@ Eigen::MatrixXd StepJacobian::ReducedRight(const Eigen::MatrixXd& momentum, cons
 
 // In the reduced system the multipliers of pairs are negated: both directions then have the same signs.
 bool StepJacobian::SolveTransposed(const StepColumns& right, double tolerance, StepColumns* z, Eigen::MatrixXd* y) {
+  FindFreedNodes();
   const ScopedTimer timer(&seconds_.solution);
   iterations_ = 0;
   if (method_ == Method::kLu) {

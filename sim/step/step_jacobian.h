@@ -20,6 +20,7 @@
 #include "sim/matrix/cholesky.h"
 #include "sim/matrix/krylov.h"
 #include "sim/matrix/lu.h"
+#include "sim/step/freed_nodes.h"
 
 namespace clothid {
 
@@ -27,9 +28,9 @@ namespace clothid {
 // had. Shared, never changed.
 struct ReducedFactor {
   std::shared_ptr<const CholeskyFactor> cholesky;
-  std::vector<LocalFrame> frames;
+  HeldBlocks held;
 
-  std::size_t bytes() const { return cholesky->bytes() + frames.size() * sizeof(LocalFrame); }
+  std::size_t bytes() const { return cholesky->bytes() + held.bytes(); }
 };
 
 // Columns over the unknowns (v, r) or the equations of a step.
@@ -115,7 +116,9 @@ class StepJacobian {
   // The velocities that a solution of the reduced system stands for.
   Eigen::MatrixXd VelocitiesOf(Direction direction, Eigen::MatrixXd q) const;
   void SolveWithFactor(const Eigen::MatrixXd& vectors, Eigen::MatrixXd* result);
+  Eigen::MatrixXd ApplyHeldFactor(const Eigen::MatrixXd& vectors);  // of what was held where it was made
   Eigen::MatrixXd ApplyFactor(const Eigen::MatrixXd& vectors);
+  void FindFreedNodes();
   Eigen::MatrixXd Precondition(Direction direction, const Eigen::MatrixXd& q);
   bool FactorReduced(const BlockMatrix& matrix);
   const Eigen::VectorXd& ReducedValues(const BlockMatrix& matrix);  // of what a factor is made of
@@ -136,6 +139,8 @@ class StepJacobian {
   std::unique_ptr<LuFactor> lu_;                     // made when first asked for
   std::unique_ptr<ContactElimination> elimination_;  // null in a scene without obstacles
   bool in_contact_ = false;                          // with obstacles, at the point
+  std::unique_ptr<FreedNodes> freed_;                // since the factor; null without obstacles or where it is small
+  bool freed_are_known_ = false;                     // of this point and this factor
   std::unique_ptr<PairElimination> pairs_;           // null in a scene without self-contact
   Eigen::VectorXd values_;                           // of the factored matrix, where it is not K itself
   int iterations_ = 0;

@@ -99,7 +99,7 @@ TEST_F(ContactEliminationTest, TheContactsAreOfEveryKind) {
   EXPECT_EQ(contacts_[0].response.branch, ContactBranch::kStick);
   for (const int i : {1, 2, 3}) EXPECT_EQ(contacts_[i].response.branch, ContactBranch::kSlip);
   EXPECT_TRUE(elimination_.has_coupling());
-  EXPECT_EQ(elimination_.SlipFrames().size(), 3u);
+  EXPECT_EQ(elimination_.Held().slipping.size(), 3u);
 }
 
 TEST_F(ContactEliminationTest, TheFullJacobianIsTheFormula) {
@@ -123,7 +123,7 @@ TEST_F(ContactEliminationTest, MapsAreTheirFormulas) {
 }
 
 TEST_F(ContactEliminationTest, FramesTurnThereAndBack) {
-  const std::vector<LocalFrame> frames = elimination_.SlipFrames();
+  const std::vector<LocalFrame> frames = elimination_.Held().slipping;
   Eigen::MatrixXd vectors = Eigen::MatrixXd::Random(size(), 2);
   const Eigen::MatrixXd before = vectors;
   ToLocal(frames, &vectors);
@@ -143,11 +143,41 @@ TEST_F(ContactEliminationTest, TheReducedMatrixIsTheSymmetricPart) {
   Eigen::MatrixXd expected = projection * dense_ * projection;
   elimination_.AddSlipStiffness(projection, &expected);
   Eigen::MatrixXd in_world = projection;
-  ToLocal(elimination_.SlipFrames(), &in_world);
+  ToLocal(elimination_.Held().slipping, &in_world);
   in_world = (reduced * in_world).eval();
-  ToWorld(elimination_.SlipFrames(), &in_world);
+  ToWorld(elimination_.Held().slipping, &in_world);
   elimination_.Project(&in_world);
   EXPECT_LT((in_world - expected).norm(), 1e-13 * expected.norm());
+}
+
+TEST_F(ContactEliminationTest, ColumnsOfTheReducedMatrixAreThoseOfTheWhole) {
+  const Eigen::MatrixXd projection = Projection(), identity = Eigen::MatrixXd::Identity(size(), size());
+  Eigen::MatrixXd expected = projection * dense_ * projection + 0.4 * (identity - projection);
+  elimination_.AddSlipStiffness(projection, &expected);
+  EXPECT_LT((elimination_.ReducedColumns(hessian_, free_index_) - expected).norm(), 1e-13 * expected.norm());
+  const Eigen::MatrixXd some = elimination_.ReducedColumns(hessian_, {2, 5});
+  EXPECT_LT((some.leftCols<3>() - expected.middleCols<3>(3 * 2)).norm(), 1e-13 * expected.norm());
+  EXPECT_LT((some.rightCols<3>() - expected.middleCols<3>(3 * 5)).norm(), 1e-13 * expected.norm());
+}
+
+// Nodes 0 (which stuck), 2, 3 and 5 were held: 0 comes to slip, 2 stays, 3 sticks, and 5 takes off.
+TEST_F(ContactEliminationTest, WhatContactsHoldNoMoreIsFreed) {
+  const HeldBlocks before = elimination_.Held();
+  EXPECT_EQ(before.sticking, std::vector<int>{0});
+  EXPECT_EQ(before.slipping.size(), 3u);
+  EXPECT_TRUE(elimination_.FreedSince(before, kNumBlocks).empty());
+  contacts_.clear();
+  AddContact(0, 0, {2.0, 1.0, -1.0});
+  AddContact(2, 0, {1.0, 3.0, -1.0});
+  AddContact(3, 0, {0.1, 0.1, -1.0});
+  elimination_.SetContacts(contacts_, free_index_);
+  const std::vector<FreedBlock> freed = elimination_.FreedSince(before, kNumBlocks);
+  ASSERT_EQ(freed.size(), 2u);
+  EXPECT_EQ(freed[0].block, 0);
+  const Eigen::Vector3d n = contacts_[0].candidate.normal, left = before.slipping[2].axes.col(0);
+  EXPECT_LT((freed[0].projection - (Eigen::Matrix3d::Identity() - n * n.transpose())).norm(), 1e-14);
+  EXPECT_EQ(freed[1].block, 5);
+  EXPECT_LT((freed[1].projection - left * left.transpose()).norm(), 1e-14);
 }
 
 TEST_F(ContactEliminationTest, TheReducedSystemHasTheSolutionOfTheWhole) {
