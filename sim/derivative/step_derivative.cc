@@ -187,7 +187,7 @@ void StepDerivative::AddHandleForcesTransposed(const Eigen::MatrixXd& forces, Ei
 }
 
 ForcePoint StepDerivative::point() const {
-  return {parameters_, record_.time_step, record_.time, record_.positions, record_.velocities};
+  return {parameters_, record_.time_step, record_.time, record_.positions, record_.velocities, jacobian_.team()};
 }
 
 Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {

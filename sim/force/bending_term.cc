@@ -121,7 +121,7 @@ double BendingTerm::AddForce(const ForcePoint& point, const HeldForce*, Eigen::V
 void BendingTerm::AddPositionHessian(double factor, HessianKind hessian_kind, const ForcePoint& point, const HeldForce*,
                                      BlockMatrix* hessian) const {
   const double k = factor * stiffness(point.parameters.material);
-  energy_.AddHessian(k, hessian);
+  energy_.AddHessian(k, hessian, point.team);
   if (curvature_ != nullptr) {
     curvature_->AddHessian(k, hessian_kind, point.positions, SlopesAt(point.time), hessian);
   }

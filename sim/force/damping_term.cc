@@ -41,7 +41,7 @@ double DampingTerm::AddForce(const ForcePoint& point, const HeldForce* held, Eig
 void DampingTerm::AddPositionHessian(double factor, HessianKind kind, const ForcePoint& point, const HeldForce* held,
                                      BlockMatrix* hessian) const {
   damping_.AddHessian(factor * point.parameters.material.damping, point.time_step, kind, MetricsOf(held),
-                      point.positions, hessian);
+                      point.positions, hessian, point.team);
 }
 
 void DampingTerm::AddOriginProduct(double factor, const ForcePoint& point, const Eigen::VectorXd& origin,

@@ -52,11 +52,13 @@ double ForceSet::AddForce(ForceGroup group, const ForcePoint& point, const HeldF
 
 void ForceSet::SetHessian(HessianKind kind, const ForcePoint& point, const HeldForces& held, double position_factor,
                           double velocity_factor, BlockMatrix* hessian) const {
-  hessian->values.setZero();
+  ForColumns(hessian->pattern(), point.team, [&](const BlockColumns& columns) {
+    hessian->values.segment(columns.begin, columns.end - columns.begin).setZero();
+  });
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     terms_[i]->AddPositionHessian(position_factor, kind, point, held.terms[i].get(), hessian);
   }
-  hessian->CompleteFromLower();
+  hessian->CompleteFromLower(point.team);
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     terms_[i]->AddVelocityHessian(velocity_factor, point, held.terms[i].get(), hessian);
   }

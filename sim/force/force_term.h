@@ -42,6 +42,7 @@ struct ForcePoint {
   double time;                        // s, on the scene's clock
   const Eigen::VectorXd& positions;   // x [3N] m
   const Eigen::VectorXd& velocities;  // v [3N] m/s; may be empty where no term needs them
+  ThreadTeam* team = nullptr;         // shares the work of Hessians; null: the caller alone. No number depends on it
 };
 
 // Its start.

@@ -69,20 +69,22 @@ double Membrane::AddForce(const Material& material, const Eigen::VectorXd& posit
 }
 
 void Membrane::AddHessian(double factor, const Material& material, HessianKind kind, const Eigen::VectorXd& positions,
-                          BlockMatrix* hessian) const {
+                          BlockMatrix* hessian, ThreadTeam* team) const {
   if (const auto* arap = std::get_if<StretchEnergy>(&energy_)) {
-    arap->AddHessian(factor * material.stretch_stiffness, kind, positions, hessian);
+    arap->AddHessian(factor * material.stretch_stiffness, kind, positions, hessian, team);
     return;
   }
   if (const auto* parts = std::get_if<Parts>(&energy_)) {
-    for (const MembranePart& part : **parts) part.membrane.AddHessian(factor, part.material, kind, positions, hessian);
+    for (const MembranePart& part : **parts)
+      part.membrane.AddHessian(factor, part.material, kind, positions, hessian, team);
     return;
   }
   if (const auto* yarn = std::get_if<YarnEnergy>(&energy_)) {
-    yarn->AddHessian(factor, YarnConstantsOf(material), kind, positions, hessian);
+    yarn->AddHessian(factor, YarnConstantsOf(material), kind, positions, hessian, team);
     return;
   }
-  std::get<OrthotropicEnergy>(energy_).AddHessian(Scaled(ConstantsOf(material), factor), kind, positions, hessian);
+  std::get<OrthotropicEnergy>(energy_).AddHessian(Scaled(ConstantsOf(material), factor), kind, positions, hessian,
+                                                  team);
 }
 
 void Membrane::AddForceDerivative(ParameterId id, double factor, const Material& material,
@@ -236,12 +238,12 @@ void MembraneTerm::AddPositionHessian(double factor, HessianKind kind, const For
                                       BlockMatrix* hessian) const {
   const Material& material = point.parameters.material;
   if (parts_.empty()) {
-    membrane_.AddHessian(factor, material, kind, point.positions, hessian);
+    membrane_.AddHessian(factor, material, kind, point.positions, hessian, point.team);
     return;
   }
-  membrane_.AddHessian(factor, Others(material), kind, point.positions, hessian);
+  membrane_.AddHessian(factor, Others(material), kind, point.positions, hessian, point.team);
   for (const ConstantPart& part : parts_) {
-    part.membrane.AddHessian(factor, part.Own(material), kind, point.positions, hessian);
+    part.membrane.AddHessian(factor, part.Own(material), kind, point.positions, hessian, point.team);
   }
 }
 

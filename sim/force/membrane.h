@@ -33,7 +33,7 @@ class Membrane {
 
   // Adds factor * d2E/dx2 below the diagonal of `hessian`, for `BlockMatrix::CompleteFromLower`.
   void AddHessian(double factor, const Material& material, HessianKind kind, const Eigen::VectorXd& positions,
-                  BlockMatrix* hessian) const;
+                  BlockMatrix* hessian, ThreadTeam* team) const;
 
   // Adds factor * (-d2E/(dx dtheta)) to `force` [3N], theta the constant `id`: E is linear in every one but a
   // stiffening. Nothing for one that the law does not have.

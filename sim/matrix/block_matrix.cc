@@ -2,8 +2,20 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 
 namespace clothid {
+namespace {
+
+// Below so many values a second thread gains less than it costs.
+constexpr int kSharedValues = 1 << 17;
+
+// The first of n items that a share has.
+int FirstOf(int share, int num_shares, std::size_t n) {
+  return static_cast<int>(static_cast<std::int64_t>(n) * share / num_shares);
+}
+
+}  // namespace
 
 BlockPattern::BlockPattern(const std::vector<std::vector<int>>& neighbours) {
   const int n = static_cast<int>(neighbours.size());
@@ -36,17 +48,33 @@ BlockPosition BlockPattern::Find(int row, int column) const {
   return Position(column, static_cast<int>(found - begin));
 }
 
-void BlockMatrix::CompleteFromLower() {
+void BlockMatrix::CompleteFromLower(ThreadTeam* team) {
+  const int num_shares = NumSharing(*pattern_, team);
+  if (num_shares == 1) {
+    Mirror(0, 1);
+  } else {
+    team->Run(num_shares, [&](int share) { Mirror(share, num_shares); });
+  }
+  ForColumns(*pattern_, team, [this](const BlockColumns& columns) { SetDiagonals(columns); });
+}
+
+void BlockMatrix::Mirror(int share, int num_shares) {
   double* const all = values.data();
-  for (const BlockPattern::MirroredBlock& block : pattern_->mirrored()) {
+  const std::vector<BlockPattern::MirroredBlock>& mirrored = pattern_->mirrored();
+  const int end = FirstOf(share + 1, num_shares, mirrored.size());
+  for (int i = FirstOf(share, num_shares, mirrored.size()); i < end; ++i) {
+    const BlockPattern::MirroredBlock& block = mirrored[i];
     const double* lower = all + block.lower.start;
     double* upper = all + block.upper.start;
     for (int r = 0; r < 3; ++r, ++lower, upper += block.upper.stride) {
       for (int c = 0; c < 3; ++c) upper[c] = lower[static_cast<std::ptrdiff_t>(c) * block.lower.stride];
     }
   }
-  const double* entry = all;
-  for (int column = 0; column < pattern_->num_blocks(); ++column) {
+}
+
+void BlockMatrix::SetDiagonals(const BlockColumns& columns) {
+  const double* entry = values.data() + columns.begin;
+  for (int column = columns.first; column < columns.last; ++column) {
     Eigen::Matrix3d sum;
     for (int c = 0; c < 3; ++c) {
       double x = 0.0, y = 0.0, z = 0.0;
@@ -64,6 +92,18 @@ void BlockMatrix::CompleteFromLower() {
 Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> BlockMatrix::view() const {
   return {pattern_->size(),         pattern_->size(),         pattern_->num_values(),
           pattern_->outer().data(), pattern_->inner().data(), values.data()};
+}
+
+int NumSharing(const BlockPattern& pattern, const ThreadTeam* team) {
+  return team == nullptr || pattern.num_values() < kSharedValues ? 1 : team->num_threads();
+}
+
+BlockColumns ShareOfColumns(const BlockPattern& pattern, int share, int num_shares) {
+  const int n = pattern.num_blocks();
+  const auto begin = [&](int column) { return column == n ? pattern.num_values() : pattern.Position(column, 0).start; };
+  const int first = FirstOf(share, num_shares, static_cast<std::size_t>(n));
+  const int last = FirstOf(share + 1, num_shares, static_cast<std::size_t>(n));
+  return {first, last, begin(first), begin(last), num_shares == 1};
 }
 
 }  // namespace clothid

@@ -10,6 +10,8 @@
 #include <memory>
 #include <vector>
 
+#include "sim/base/thread_team.h"
+
 namespace clothid {
 
 // Where a block starts in the value array, and the distance of its columns there.
@@ -17,6 +19,15 @@ struct BlockPosition {
   int start = -1;
   int stride = 0;
   bool valid() const { return start >= 0; }
+};
+
+// Block columns first up to last of a pattern, and where their values are.
+struct BlockColumns {
+  int first, last;
+  int begin, end;
+  bool are_all;
+
+  bool have(BlockPosition position) const { return position.start >= begin && position.start < end; }
 };
 
 class BlockPattern {
@@ -71,7 +82,7 @@ class BlockMatrix {
   // Makes a matrix whole that has rows of sum zero, as the Hessian of an energy that does not see translations. Below
   // the diagonal its blocks must be there; on it, for every block column, the sum of the blocks between it and nodes
   // that the matrix does not have; what stands above it does not matter.
-  void CompleteFromLower();
+  void CompleteFromLower(ThreadTeam* team = nullptr);
 
   // The matrix for products. Symmetric, so it may be read by rows, which is the faster product.
   Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> view() const;
@@ -79,8 +90,30 @@ class BlockMatrix {
   Eigen::VectorXd values;  // [num_values]
 
  private:
+  void Mirror(int share, int num_shares);          // of the blocks below the diagonal, above it
+  void SetDiagonals(const BlockColumns& columns);  // from what stands beside them in their columns
+
   std::shared_ptr<const BlockPattern> pattern_;
 };
+
+// The threads that share the work on a matrix of this pattern: 1 without a team (null), and where a second gains
+// nothing.
+int NumSharing(const BlockPattern& pattern, const ThreadTeam* team);
+
+// `num_shares` of the columns, one after the other.
+BlockColumns ShareOfColumns(const BlockPattern& pattern, int share, int num_shares);
+
+// Calls work(columns) for shares that together are all columns, `shares_each` for every thread. Allocates nothing where
+// one does all.
+template <typename Work>
+void ForColumns(const BlockPattern& pattern, ThreadTeam* team, const Work& work, int shares_each = 1) {
+  const int num_shares = shares_each * NumSharing(pattern, team);
+  if (num_shares == shares_each) {
+    work(ShareOfColumns(pattern, 0, 1));
+  } else {
+    team->Run(num_shares, [&](int share) { work(ShareOfColumns(pattern, share, num_shares)); });
+  }
+}
 
 }  // namespace clothid
 

@@ -2,32 +2,23 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <cstring>
 #include <memory>
 
-#include "sim/base/thread_team.h"
 #include "sim/base/vector_clones.h"
 #include "sim/matrix/lanes.h"
 
 namespace clothid {
 namespace {
 
-// Below so many values a second thread gains less than it costs.
-constexpr int kSharedValues = 1 << 17;
-// Tasks that a product is cut into, for threads that are late.
-constexpr int kTasks = 8;
+// Shares of a product that every thread has, for threads that are late.
+constexpr int kSharesEach = 4;
 
-// Block rows first up to last.
-struct Range {
-  int first, last;
-};
-
-// Those rows of a product with Sides::kSize columns, which stand beside each other in the rows of `x` and `y`. The
-// matrix is symmetric, so a column is read as its row: the values of a block column are three scalar columns, each with
-// three entries for every block.
+// The block rows `range` of a product with Sides::kSize columns, which stand beside each other in the rows of `x` and
+// `y`. The matrix is symmetric, so a column is read as its row: the values of a block column are three scalar columns,
+// each with three entries for every block.
 template <typename Sides>
-CLOTHID_ALWAYS_INLINE void MultiplyBeside(const BlockPattern& pattern, Range range, const double* values,
+CLOTHID_ALWAYS_INLINE void MultiplyBeside(const BlockPattern& pattern, const BlockColumns& range, const double* values,
                                           const double* x, double* y) {
   constexpr int kSides = Sides::kSize;
   y += 3 * kSides * static_cast<std::ptrdiff_t>(range.first);
@@ -52,17 +43,19 @@ CLOTHID_ALWAYS_INLINE void MultiplyBeside(const BlockPattern& pattern, Range ran
   }
 }
 
-using Kernel = void (*)(const BlockPattern& pattern, Range range, const double* values, const double* x, double* y);
+using Kernel = void (*)(const BlockPattern& pattern, const BlockColumns& range, const double* values, const double* x,
+                        double* y);
 
 template <typename Sides>
-void MultiplyByCommon(const BlockPattern& pattern, Range range, const double* values, const double* x, double* y) {
+void MultiplyByCommon(const BlockPattern& pattern, const BlockColumns& range, const double* values, const double* x,
+                      double* y) {
   MultiplyBeside<Sides>(pattern, range, values, x, y);
 }
 
 #if CLOTHID_HAS_AVX2
 template <typename Sides>
-CLOTHID_AVX2 void MultiplyByAvx2(const BlockPattern& pattern, Range range, const double* values, const double* x,
-                                 double* y) {
+CLOTHID_AVX2 void MultiplyByAvx2(const BlockPattern& pattern, const BlockColumns& range, const double* values,
+                                 const double* x, double* y) {
   MultiplyBeside<Sides>(pattern, range, values, x, y);
 }
 #endif
@@ -109,18 +102,6 @@ CLOTHID_VECTOR_CLONES void MultiplyOne(const double* values, const int* rows, in
   y[2] = sum2[0] + sum2[1] + sum2[2];
 }
 
-// Calls work(range) for ranges that together are all block rows.
-template <typename Work>
-void ForRanges(const BlockPattern& pattern, ThreadTeam* team, const Work& work) {
-  const int n = pattern.num_blocks();
-  if (team == nullptr || pattern.num_values() < kSharedValues) {
-    work(Range{0, n});
-    return;
-  }
-  const auto start = [n](int task) { return static_cast<int>(static_cast<std::int64_t>(n) * task / kTasks); };
-  team->Run(kTasks, [&](int task) { work(Range{start(task), start(task + 1)}); });
-}
-
 // With one column.
 void MultiplyVector(const BlockMatrix& matrix, ThreadTeam* team, const double* vector, double* product) {
   const BlockPattern& pattern = matrix.pattern();
@@ -131,12 +112,13 @@ void MultiplyVector(const BlockMatrix& matrix, ThreadTeam* team, const double* v
   std::copy_n(vector, size, x.get());
   x[size] = 0.0;
   const int last = pattern.num_blocks() - 1;
-  ForRanges(pattern, team, [&](Range range) {
+  const auto multiply = [&](const BlockColumns& range) {
     for (int i = range.first; i < std::min(range.last, last); ++i) {
       MultiplyOne(values + pattern.Position(i, 0).start, pattern.rows_begin(i), pattern.num_rows(i), x.get(),
                   product + 3 * i);
     }
-  });
+  };
+  ForColumns(pattern, team, multiply, kSharesEach);
   const std::size_t num_values = 9 * static_cast<std::size_t>(pattern.num_rows(last));
   const std::unique_ptr<double[]> last_values(new double[num_values + 1]);
   std::copy_n(values + pattern.Position(last, 0).start, num_values, last_values.get());
@@ -161,7 +143,8 @@ void MultiplySymmetric(const BlockMatrix& matrix, const Eigen::Ref<const Eigen::
     Eigen::MatrixXd x = Eigen::MatrixXd::Zero(sides, columns.rows()), y(sides, columns.rows());
     x.topRows(width) = columns.middleCols(first, width).transpose();
     const Kernel kernel = sides > 4 ? kernels.eight : kernels.four;
-    ForRanges(pattern, team, [&](Range range) { kernel(pattern, range, values, x.data(), y.data()); });
+    const auto multiply = [&](const BlockColumns& range) { kernel(pattern, range, values, x.data(), y.data()); };
+    ForColumns(pattern, team, multiply, kSharesEach);
     product->middleCols(first, width) = y.topRows(width).transpose();
   }
 }

@@ -187,11 +187,14 @@ double BendingEnergy::AddForce(double stiffness, const Eigen::VectorXd& position
   return energy;
 }
 
-void BendingEnergy::AddHessian(double stiffness, BlockMatrix* hessian) const {
-  for (size_t i = 0; i < positions_.size(); ++i) {
-    double* diagonal = hessian->values.data() + positions_[i].start;
-    for (int c = 0; c < 3; ++c) diagonal[c * (positions_[i].stride + 1)] += stiffness * entries_[i];
-  }
+void BendingEnergy::AddHessian(double stiffness, BlockMatrix* hessian, ThreadTeam* team) const {
+  ForColumns(hessian->pattern(), team, [&](const BlockColumns& columns) {
+    for (size_t i = 0; i < positions_.size(); ++i) {
+      if (!columns.have(positions_[i])) continue;
+      double* diagonal = hessian->values.data() + positions_[i].start;
+      for (int c = 0; c < 3; ++c) diagonal[c * (positions_[i].stride + 1)] += stiffness * entries_[i];
+    }
+  });
 }
 
 }  // namespace clothid

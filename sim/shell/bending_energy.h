@@ -68,7 +68,7 @@ class BendingEnergy {
   double AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const;
 
   // Adds stiffness * Q kron I3 below the diagonal of `hessian`, for `BlockMatrix::CompleteFromLower`.
-  void AddHessian(double stiffness, BlockMatrix* hessian) const;
+  void AddHessian(double stiffness, BlockMatrix* hessian, ThreadTeam* team = nullptr) const;
 
  private:
   Eigen::SparseMatrix<double> matrix_;

@@ -97,18 +97,18 @@ double OrthotropicEnergy::AddForce(const OrthotropicConstants& constants, const 
 }
 
 void OrthotropicEnergy::AddHessian(const OrthotropicConstants& constants, HessianKind kind,
-                                   const Eigen::VectorXd& positions, BlockMatrix* hessian) const {
-  CornerVectors x;
-  CornerBlocks blocks;
-  for (const TriangleBatch& batch : *triangles_) {
+                                   const Eigen::VectorXd& positions, BlockMatrix* hessian, ThreadTeam* team) const {
+  const auto fill = [&](std::size_t b, CornerBlocks* blocks) {
+    const TriangleBatch& batch = (*triangles_)[b];
+    CornerVectors x;
     GatherCorners(batch, positions.data(), &x);
     if (kind == HessianKind::kExact) {
-      OrthotropicBlocks(batch, x, constants, &blocks);
+      OrthotropicBlocks(batch, x, constants, blocks);
     } else {
-      ClampedOrthotropicBlocks(batch, x, constants, &blocks);
+      ClampedOrthotropicBlocks(batch, x, constants, blocks);
     }
-    AddBlocks(batch, blocks, hessian);
-  }
+  };
+  AddAllBlocks(*triangles_, team, fill, hessian);
 }
 
 void OrthotropicEnergy::AddForceProducts(const OrthotropicConstants& constants, const Eigen::VectorXd& positions,

@@ -44,7 +44,7 @@ class OrthotropicEnergy {
   // Adds d2E/dx2 below the diagonal of `hessian`, for `BlockMatrix::CompleteFromLower`. Clamped: the negative
   // eigenvalues of S to zero.
   void AddHessian(const OrthotropicConstants& constants, HessianKind kind, const Eigen::VectorXd& positions,
-                  BlockMatrix* hessian) const;
+                  BlockMatrix* hessian, ThreadTeam* team = nullptr) const;
 
   // Adds -dE_f/dx . y of every triangle f to `products` [F x s], for columns y [3N x s].
   void AddForceProducts(const OrthotropicConstants& constants, const Eigen::VectorXd& positions,

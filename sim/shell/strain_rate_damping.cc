@@ -147,19 +147,18 @@ double StrainRateDamping::AddForce(double damping, double time_step, const std::
 
 void StrainRateDamping::AddHessian(double damping, double time_step, HessianKind kind,
                                    const std::vector<MetricBatch>& start_metrics, const Eigen::VectorXd& positions,
-                                   BlockMatrix* hessian) const {
-  CornerVectors x;
-  CornerBlocks blocks;
-  for (size_t b = 0; b < triangles_->size(); ++b) {
+                                   BlockMatrix* hessian, ThreadTeam* team) const {
+  const auto fill = [&](std::size_t b, CornerBlocks* blocks) {
     const TriangleBatch& batch = (*triangles_)[b];
+    CornerVectors x;
     GatherCorners(batch, positions.data(), &x);
     if (kind == HessianKind::kExact) {
-      DampingBlocks(batch, x, start_metrics[b], damping, time_step, &blocks);
+      DampingBlocks(batch, x, start_metrics[b], damping, time_step, blocks);
     } else {
-      ClampedDampingBlocks(batch, x, start_metrics[b], damping, time_step, &blocks);
+      ClampedDampingBlocks(batch, x, start_metrics[b], damping, time_step, blocks);
     }
-    AddBlocks(batch, blocks, hessian);
-  }
+  };
+  AddAllBlocks(*triangles_, team, fill, hessian);
 }
 
 void StrainRateDamping::AddMixedProduct(double damping, double time_step, const Eigen::VectorXd& positions,

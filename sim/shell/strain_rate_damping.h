@@ -44,7 +44,7 @@ class StrainRateDamping {
   // Adds damping * d2(W/eta)/dx2 below the diagonal of `hessian`, for `BlockMatrix::CompleteFromLower`. Clamped: the
   // negative eigenvalues of Edot to zero.
   void AddHessian(double damping, double time_step, HessianKind kind, const std::vector<MetricBatch>& start_metrics,
-                  const Eigen::VectorXd& positions, BlockMatrix* hessian) const;
+                  const Eigen::VectorXd& positions, BlockMatrix* hessian, ThreadTeam* team = nullptr) const;
 
   // Adds damping * d2(W/eta)/(dx dx_n) y to `product`, for columns y [3N x s]. Exchanging x and x_n transposes the
   // matrix.

@@ -119,18 +119,18 @@ double StretchEnergy::AddForce(double stiffness, const Eigen::VectorXd& position
 }
 
 void StretchEnergy::AddHessian(double stiffness, HessianKind kind, const Eigen::VectorXd& positions,
-                               BlockMatrix* hessian) const {
-  CornerVectors x;
-  CornerBlocks blocks;
-  for (const TriangleBatch& batch : *triangles_) {
+                               BlockMatrix* hessian, ThreadTeam* team) const {
+  const auto fill = [&](std::size_t b, CornerBlocks* blocks) {
+    const TriangleBatch& batch = (*triangles_)[b];
+    CornerVectors x;
     GatherCorners(batch, positions.data(), &x);
     if (kind == HessianKind::kExact) {
-      StretchBlocks(batch, x, stiffness, &blocks);
+      StretchBlocks(batch, x, stiffness, blocks);
     } else {
-      ClampedStretchBlocks(batch, x, stiffness, &blocks);
+      ClampedStretchBlocks(batch, x, stiffness, blocks);
     }
-    AddBlocks(batch, blocks, hessian);
-  }
+  };
+  AddAllBlocks(*triangles_, team, fill, hessian);
 }
 
 void StretchEnergy::AddForceProducts(double stiffness, const Eigen::VectorXd& positions, const Eigen::MatrixXd& columns,

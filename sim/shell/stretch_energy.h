@@ -23,7 +23,8 @@ class StretchEnergy {
 
   // Adds stiffness * d2(E/k)/dx2 below the diagonal of `hessian`, for `BlockMatrix::CompleteFromLower`. Clamped: 1/tau
   // to at most 1/2, the eigenvalues of S^-1 to at most 1.
-  void AddHessian(double stiffness, HessianKind kind, const Eigen::VectorXd& positions, BlockMatrix* hessian) const;
+  void AddHessian(double stiffness, HessianKind kind, const Eigen::VectorXd& positions, BlockMatrix* hessian,
+                  ThreadTeam* team = nullptr) const;
 
   // Adds stiffness * (-d(E_f/k)/dx) . y of every triangle f to `products` [F x s], for columns y [3N x s].
   void AddForceProducts(double stiffness, const Eigen::VectorXd& positions, const Eigen::MatrixXd& columns,

@@ -139,11 +139,21 @@ void AddCornerProducts(const TriangleBatch& batch, const CornerVectors& corners,
   }
 }
 
-void AddBlocks(const TriangleBatch& batch, const CornerBlocks& blocks, BlockMatrix* hessian) {
+bool HasBlocksIn(const TriangleBatch& batch, const BlockColumns& columns) {
+  for (const auto& lanes : batch.blocks) {
+    for (const BlockPosition& position : lanes) {
+      if (columns.have(position)) return true;
+    }
+  }
+  return false;
+}
+
+void AddBlocks(const TriangleBatch& batch, const CornerBlocks& blocks, const BlockColumns& columns,
+               BlockMatrix* hessian) {
   for (int pair = 0; pair < 3; ++pair) {
     for (int lane = 0; lane < kLanes; ++lane) {
       const BlockPosition position = batch.blocks[pair][lane];
-      if (!position.valid()) continue;
+      if (!columns.have(position)) continue;
       double* column = hessian->values.data() + position.start;
       for (int c = 0; c < 3; ++c, column += position.stride) {
         for (int r = 0; r < 3; ++r) column[r] += blocks.values[pair][3 * c + r][lane];

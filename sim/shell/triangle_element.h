@@ -44,6 +44,9 @@ struct alignas(64) CornerVectors {
   double values[3][3][kLanes];
 };
 
+// Whether one of its blocks is in these columns.
+bool HasBlocksIn(const TriangleBatch& batch, const BlockColumns& columns);
+
 // B_ij for kCornerPairs, each by columns.
 struct alignas(64) CornerBlocks {
   double values[3][9][kLanes];
@@ -68,8 +71,22 @@ void AddCorners(const TriangleBatch& batch, const CornerVectors& corners, double
 // triangle: those of `batch` begin at `first`.
 void AddCornerProducts(const TriangleBatch& batch, const CornerVectors& corners, const Eigen::MatrixXd& columns,
                        Eigen::Index first, Eigen::Ref<Eigen::MatrixXd> products);
-// Adds the blocks where `batch` places them.
-void AddBlocks(const TriangleBatch& batch, const CornerBlocks& blocks, BlockMatrix* hessian);
+// Adds the blocks where `batch` places them within `columns`.
+void AddBlocks(const TriangleBatch& batch, const CornerBlocks& blocks, const BlockColumns& columns,
+               BlockMatrix* hessian);
+// Adds the blocks of every batch, which fill(b, &blocks) computes for the b-th. The threads of `team` (may be null)
+// have columns of their own, in which sums are taken in the same order whoever has them.
+template <typename Fill>
+void AddAllBlocks(const TriangleElements& triangles, ThreadTeam* team, const Fill& fill, BlockMatrix* hessian) {
+  ForColumns(hessian->pattern(), team, [&](const BlockColumns& columns) {
+    CornerBlocks blocks;
+    for (std::size_t b = 0; b < triangles.size(); ++b) {
+      if (!columns.are_all && !HasBlocksIn(triangles[b], columns)) continue;
+      fill(b, &blocks);
+      AddBlocks(triangles[b], blocks, columns, hessian);
+    }
+  });
+}
 
 // The columns of F, a vector of three each, in one lane.
 struct Gradient {

@@ -156,10 +156,10 @@ void YarnEnergy::AddStiffeningDerivative(int yarn, double factor, const YarnCons
 
 // B_ij = a sum_kl g_ik g_jl d2E/(df_k df_l)/a.
 void YarnEnergy::AddHessian(double factor, const YarnConstants& constants, HessianKind kind,
-                            const Eigen::VectorXd& positions, BlockMatrix* hessian) const {
-  CornerVectors x;
-  CornerBlocks blocks;
-  for (const TriangleBatch& batch : *triangles_) {
+                            const Eigen::VectorXd& positions, BlockMatrix* hessian, ThreadTeam* team) const {
+  const auto fill = [&](std::size_t b, CornerBlocks* blocks) {
+    const TriangleBatch& batch = (*triangles_)[b];
+    CornerVectors x;
     GatherCorners(batch, positions.data(), &x);
     for (int lane = 0; lane < kLanes; ++lane) {
       const Yarns yarns(batch, x, lane);
@@ -175,11 +175,11 @@ void YarnEnergy::AddHessian(double factor, const YarnConstants& constants, Hessi
         const Eigen::Matrix3d block =
             (factor * batch.area[lane]) * (gi[0] * gj[0] * along + gi[0] * gj[1] * between +
                                            gi[1] * gj[0] * between.transpose() + gi[1] * gj[1] * across);
-        for (int c = 0; c < 9; ++c) blocks.values[pair][c][lane] = block(c % 3, c / 3);
+        for (int c = 0; c < 9; ++c) blocks->values[pair][c][lane] = block(c % 3, c / 3);
       }
     }
-    AddBlocks(batch, blocks, hessian);
-  }
+  };
+  AddAllBlocks(*triangles_, team, fill, hessian);
 }
 
 double YarnEnergy::StiffnessGrowth(const YarnConstants& constants, const Eigen::VectorXd& positions) const {

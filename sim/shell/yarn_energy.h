@@ -41,7 +41,7 @@ class YarnEnergy {
   // Adds factor * d2E/dx2 below the diagonal of `hessian`, for `BlockMatrix::CompleteFromLower`. Clamped: what a yarn
   // in compression has across itself is left out, and of the shear what changes its direction.
   void AddHessian(double factor, const YarnConstants& constants, HessianKind kind, const Eigen::VectorXd& positions,
-                  BlockMatrix* hessian) const;
+                  BlockMatrix* hessian, ThreadTeam* team = nullptr) const;
 
   // Adds -dE_f/dx . y of every triangle f to `products` [F x s], for columns y [3N x s].
   void AddForceProducts(const YarnConstants& constants, const Eigen::VectorXd& positions,

@@ -198,8 +198,11 @@ void StepProblem::AddForces(ForceGroup group, StepPoint* point) const {
   point->scale = std::max(point->scale, std::sqrt(squares.sum()));
 }
 
-void StepProblem::AssembleHessian(HessianKind kind, const StepPoint& point, BlockMatrix* hessian) const {
-  AssembleStepHessian(model_, kind, ForcesAt(point), work_.held, hessian);
+void StepProblem::AssembleHessian(HessianKind kind, const StepPoint& point, BlockMatrix* hessian,
+                                  ThreadTeam* team) const {
+  ForcePoint forces = ForcesAt(point);
+  forces.team = team;
+  AssembleStepHessian(model_, kind, forces, work_.held, hessian);
 }
 
 double StepProblem::RoundingFloor(const StepPoint& point) const {

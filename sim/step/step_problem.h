@@ -91,7 +91,9 @@ class StepProblem {
   // At `velocities`, and the impulses that `point` has for every pair.
   void Evaluate(const Eigen::VectorXd& velocities, StepPoint* point) const;
 
-  void AssembleHessian(HessianKind kind, const StepPoint& point, BlockMatrix* hessian) const;
+  // `team` (may be null) shares the work.
+  void AssembleHessian(HessianKind kind, const StepPoint& point, BlockMatrix* hessian,
+                       ThreadTeam* team = nullptr) const;
 
   // Smallest relative residual that rounding allows at `point`: 0.6 eps sqrt(3) |d| |x|_max/(h scale), times what
   // forces have stiffened by.

@@ -149,7 +149,7 @@ void StepSolver::Reset(bool end_with_factors) {
 
 void StepSolver::Assemble(const StepProblem& problem, HessianKind kind, const StepPoint& point) {
   const ScopedTimer timer(&jacobian_.seconds().assembly);
-  problem.AssembleHessian(kind, point, &hessian_);
+  problem.AssembleHessian(kind, point, &hessian_, jacobian_.team());
 }
 
 bool StepSolver::FactorAt(const Task& task, const ContactSet& contacts, const StepPoint& point) {
@@ -273,13 +273,13 @@ bool StepSolver::FactorAtHandServes(double forcing) const {
 }
 
 bool StepSolver::Iterate(const Task& task, const IterationPlan& plan, StepPoint* point) {
-  const ContactSet contacts = task.problem.ContactsAt(*point);
+  task.problem.FindContacts(*point, &contacts_);
   StepColumns direction;
-  if (FactorAtHandServes(plan.forcing) && DirectionByFactorAtHand(task, contacts, *point, plan.forcing, &direction) &&
+  if (FactorAtHandServes(plan.forcing) && DirectionByFactorAtHand(task, contacts_, *point, plan.forcing, &direction) &&
       Search(task.problem, direction, plan, point)) {
     return true;
   }
-  return DirectionByNewFactor(task, contacts, *point, plan.forcing, &direction) &&
+  return DirectionByNewFactor(task, contacts_, *point, plan.forcing, &direction) &&
          Search(task.problem, direction, plan, point);
 }
 

@@ -110,6 +110,7 @@ class StepSolver {
   double refactor_iterations_;  // a linear solve that takes more costs as much as a new factor
   StepPoint trial_;             // kept for its memory
   ContactSweeps sweeps_;        // likewise
+  ContactSet contacts_;         // likewise
   PastAccelerations past_;
   PairMemory memory_;  // of the last step
   bool ends_with_factors_ = false;

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "sim/rollout/simulator.h"
+#include "tests/sim/woven_scene.h"
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define CLOTHID_COUNTS_ALLOCATIONS
@@ -27,9 +28,9 @@ namespace clothid::step_problem_test {
 namespace {
 
 // A grid with two held corners over a sphere, with bending, drag and damping. Its 30 faces do not fill the last batch.
-Scene FullScene() {
+Scene FullScene(int columns = 6, int rows = 4) {
   GridOptions grid;
-  grid.nodes = {6, 4};
+  grid.nodes = {columns, rows};
   grid.size = {0.5, 0.3};
   Scene scene;
   scene.mesh = MakeGrid(grid);
@@ -128,6 +129,30 @@ TEST_F(StepProblemTest, SecondStepAllocatesNothing) {
   EXPECT_EQ(num_allocations, after_first);
 }
 #endif
+
+// Of every law of a membrane, with bending and damping, large enough for threads to share.
+TEST(SharedAssemblyTest, ThreadsDoNotChangeAByteOfTheHessian) {
+  for (const Scene& scene : {FullScene(60, 40), Woven(FullScene(60, 40)), Knitted(FullScene(60, 40))}) {
+    Simulator simulator(scene);
+    ASSERT_GE(simulator.model().pattern()->num_values(), 1 << 17);
+    const Parameters parameters = scene.nominal_parameters();
+    const Eigen::VectorXd v = 0.3 * Eigen::VectorXd::Random(scene.initial_positions.size());
+    const StepProblem problem(simulator.model(), parameters, {scene.initial_positions, v}, {0.01, 0.3},
+                              &simulator.step_workspace());
+    StepPoint point;
+    problem.Evaluate(simulator.model().Gather(v), &point);
+    for (const HessianKind kind : {HessianKind::kExact, HessianKind::kClamped}) {
+      BlockMatrix alone(simulator.model().pattern()), shared = alone;
+      problem.AssembleHessian(kind, point, &alone);
+      for (const int num_threads : {2, 3}) {
+        ThreadTeam team(num_threads);
+        shared.values.setConstant(std::nan(""));
+        problem.AssembleHessian(kind, point, &shared, &team);
+        EXPECT_EQ(shared.values, alone.values) << num_threads;
+      }
+    }
+  }
+}
 
 }  // namespace
 }  // namespace clothid::step_problem_test
