@@ -15,12 +15,13 @@
 namespace clothid::freed_nodes_test {
 namespace {
 
-constexpr int kSide = 24;  // nodes of a square sheet of springs
+constexpr int kColumns = 8, kRows = 24;  // of the nodes of a sheet of springs
+constexpr int kNumNodes = kColumns * kRows;
 constexpr double kFriction = 0.4, kWeight = 0.3;
 
 class FreedNodesTest : public ::testing::Test {
  protected:
-  FreedNodesTest() : free_index_(kSide * kSide), hessian_(std::make_shared<BlockPattern>(Neighbours())) {
+  FreedNodesTest() : free_index_(kNumNodes), hessian_(std::make_shared<BlockPattern>(Neighbours())) {
     std::iota(free_index_.begin(), free_index_.end(), 0);
     const BlockPattern& pattern = hessian_.pattern();
     for (int column = 0; column < pattern.num_blocks(); ++column) {
@@ -37,12 +38,14 @@ class FreedNodesTest : public ::testing::Test {
     }
   }
 
-  static Eigen::Vector3d Place(int node) { return {static_cast<double>(node % kSide), std::floor(node / kSide), 0.0}; }
+  static Eigen::Vector3d Place(int node) {
+    return {static_cast<double>(node % kColumns), static_cast<double>(node / kColumns), 0.0};
+  }
 
   static std::vector<std::vector<int>> Neighbours() {
-    std::vector<std::vector<int>> neighbours(kSide * kSide);
-    for (int i = 0; i < kSide * kSide; ++i) {
-      for (int j = 0; j < kSide * kSide; ++j) {
+    std::vector<std::vector<int>> neighbours(kNumNodes);
+    for (int i = 0; i < kNumNodes; ++i) {
+      for (int j = 0; j < kNumNodes; ++j) {
         if (i != j && (Place(i) - Place(j)).norm() < 1.1) neighbours[i].push_back(j);
       }
     }
@@ -52,11 +55,11 @@ class FreedNodesTest : public ::testing::Test {
   // The lower rows of the sheet slip on a slope up to row `first_sticking`, and stick from there on.
   ContactElimination ContactsWithSticking(int first_sticking) const {
     std::vector<Contact> contacts;
-    for (int node = kSide * (kSide / 2); node < kSide * kSide; ++node) {
+    for (int node = kColumns * (kRows / 2); node < kNumNodes; ++node) {
       ContactCandidate candidate;
       candidate.node = node;
       candidate.normal = Eigen::Vector3d(0.1, 0.2, 1.0).normalized();
-      const bool slips = node < kSide * first_sticking;
+      const bool slips = node < kColumns * first_sticking;
       const Eigen::Vector3d across = candidate.normal.unitOrthogonal();
       const Eigen::Vector3d force = -candidate.normal + (slips ? 0.9 : 0.1) * across;
       contacts.push_back({candidate, EvaluateContactLaw(force, candidate.normal, kFriction), force, kWeight,
@@ -72,7 +75,7 @@ class FreedNodesTest : public ::testing::Test {
   }
 
   static Eigen::MatrixXd Projection(const ContactElimination& contacts) {
-    Eigen::MatrixXd projection = Eigen::MatrixXd::Identity(3 * kSide * kSide, 3 * kSide * kSide);
+    Eigen::MatrixXd projection = Eigen::MatrixXd::Identity(3 * kNumNodes, 3 * kNumNodes);
     contacts.Project(&projection);
     return projection;
   }
@@ -128,7 +131,7 @@ TEST_F(FreedNodesTest, NodesThatTakeOffAreFreedToo) {
   nodes.Find(hessian_, now, before.Held());
   EXPECT_TRUE(nodes.are_too_many());  // all that touched
   EXPECT_TRUE(nodes.empty());
-  const Eigen::MatrixXd vectors = Eigen::MatrixXd::Random(3 * kSide * kSide, 2);
+  const Eigen::MatrixXd vectors = Eigen::MatrixXd::Random(3 * kNumNodes, 2);
   EXPECT_EQ(nodes.Apply([](const Eigen::MatrixXd& v) -> Eigen::MatrixXd { return 2.0 * v; }, vectors), 2.0 * vectors);
   nodes.Clear();
   EXPECT_FALSE(nodes.are_too_many());
