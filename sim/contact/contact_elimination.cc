@@ -100,7 +100,6 @@ std::vector<FreedBlock> ContactElimination::FreedSince(const HeldBlocks& before,
     const Eigen::Vector3d n = frame.axes.col(0);
     if (places[frame.block] < 0) freed.push_back({frame.block, n * n.transpose()});
   }
-  std::sort(freed.begin(), freed.end(), [](const FreedBlock& a, const FreedBlock& b) { return a.block < b.block; });
   return freed;
 }
 

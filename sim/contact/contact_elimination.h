@@ -49,7 +49,7 @@ class ContactElimination {
   bool has_coupling() const { return has_coupling_; }  // a slipping node with mu > 0
 
   HeldBlocks Held() const;
-  // What `before` holds and the contacts do not, ascending by blocks, of which there are `num_blocks`.
+  // What `before` holds and the contacts do not, of `num_blocks` blocks.
   std::vector<FreedBlock> FreedSince(const HeldBlocks& before, int num_blocks) const;
 
   // values <- the reduced symmetric matrix in the local frames; `matrix` is K.
