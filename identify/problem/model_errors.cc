@@ -100,13 +100,12 @@ double NumAlikeOf(const Observation& observation, const Eigen::MatrixXd& predict
 
 ErrorCurve CurveOf(const Observation& observation, const Eigen::VectorXd& residuals, PredictedKind kind, double start,
                    double degrees_of_freedom) {
-  const std::vector<int> rows = RowsOf(observation, kind);
-  if (rows.empty()) return {};
+  const Eigen::VectorXd times = observation.RowTimes();
   ErrorRows own;
-  own.times = observation.RowTimes()(rows);
-  own.squares = residuals(rows).cwiseAbs2();
-  own.sigmas.resize(own.times.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) own.sigmas[static_cast<Eigen::Index>(i)] = observation.SigmaOf(rows[i]);
+  for (int row = 0; row < observation.num_residuals(); ++row) {
+    if (observation.KindOf(row) != kind) continue;
+    own.Add(times[row], observation.SigmaOf(row), residuals[row] * residuals[row]);
+  }
   return EstimateErrorCurve(own, start, degrees_of_freedom);
 }
 

@@ -18,14 +18,20 @@ constexpr double kBeyondChance = 4.0;   // standard deviations
 constexpr double kSteadyGain = 1e-9;    // of -2 log L
 constexpr double kSteadySweep = 1e-10;  // of a step, relative to the largest variance
 
-// Rows of one kind and the hat functions of all knots but the first, over the squares of their sigmas.
+// Rows of one kind, and the hat functions of all knots but the first over the squares of their sigmas.
 class ErrorLikelihood {
  public:
-  ErrorLikelihood(const ErrorRows& rows, const ErrorCurve& knots, double degrees_of_freedom)
-      : squares_(rows.squares), degrees_of_freedom_(degrees_of_freedom) {
-    hats_.resize(rows.times.size(), knots.times.size() - 1);
-    for (Eigen::Index i = 0; i < hats_.rows(); ++i) {
-      hats_.row(i) = knots.SharesAt(rows.times[i]).tail(hats_.cols()).transpose() / std::pow(rows.sigmas[i], 2);
+  ErrorLikelihood(const ErrorRows& rows, const ErrorCurve& knots, double degrees_of_freedom) {
+    const auto num = static_cast<Eigen::Index>(rows.sums().size());
+    hats_.resize(num, knots.times.size() - 1);
+    counts_.resize(num);
+    squares_.resize(num);
+    Eigen::Index i = 0;
+    for (const auto& [key, sum] : rows.sums()) {
+      const auto& [time, sigma] = key;
+      hats_.row(i) = knots.SharesAt(time).tail(hats_.cols()).transpose() / (sigma * sigma);
+      counts_[i] = degrees_of_freedom * sum.count;
+      squares_[i++] = sum.squares;
     }
   }
 
@@ -34,22 +40,21 @@ class ErrorLikelihood {
   // -2 log L at c.
   double At(const Eigen::VectorXd& c) const {
     const Eigen::ArrayXd v = Variances(c);
-    return (degrees_of_freedom_ * v.log() + squares_.array() / v).sum();
+    return (counts_ * v.log() + squares_ / v).sum();
   }
 
   // Its gradient and the expectation of its second derivative.
   void Derive(const Eigen::VectorXd& c, Eigen::VectorXd* gradient, Eigen::MatrixXd* information) const {
     const Eigen::ArrayXd v = Variances(c);
-    *gradient = hats_.transpose() * (degrees_of_freedom_ / v - squares_.array() / v.square()).matrix();
-    *information = hats_.transpose() * (degrees_of_freedom_ / v.square()).matrix().asDiagonal() * hats_;
+    *gradient = hats_.transpose() * (counts_ / v - squares_ / v.square()).matrix();
+    *information = hats_.transpose() * (counts_ / v.square()).matrix().asDiagonal() * hats_;
   }
 
  private:
   Eigen::ArrayXd Variances(const Eigen::VectorXd& c) const { return 1.0 + (hats_ * c).array(); }
 
-  Eigen::MatrixXd hats_;  // [m x K - 1]
-  const Eigen::VectorXd& squares_;
-  double degrees_of_freedom_;
+  Eigen::MatrixXd hats_;             // [s x K - 1], s the sums of rows
+  Eigen::ArrayXd counts_, squares_;  // [s] h times their rows; of e_i^2
 };
 
 // The step d >= -c at which  gradient . d + 1/2 d . information d  is least, coordinate by coordinate.
@@ -151,8 +156,15 @@ double NumAlike(const Eigen::MatrixXd& frames, bool is_absorbed) {
   return std::max(1.0, alike) * lasts;
 }
 
+void ErrorRows::Add(double time, double sigma, double square) {
+  Sum& sum = sums_[{time, sigma}];
+  sum.count += 1.0;
+  sum.squares += square;
+}
+
 ErrorCurve EstimateErrorCurve(const ErrorRows& rows, double start, double degrees_of_freedom) {
-  const std::set<double> distinct(rows.times.begin(), rows.times.end());
+  std::set<double> distinct;
+  for (const auto& [key, sum] : rows.sums()) distinct.insert(key.first);
   const auto num_knots = std::min<Eigen::Index>(kMostErrorKnots, static_cast<Eigen::Index>(distinct.size()) / 2);
   if (num_knots < 1 || !(*distinct.rbegin() > start) || !(degrees_of_freedom > 0.0)) return {};
   ErrorCurve curve;

@@ -18,16 +18,29 @@
 #define CLOTHID_IDENTIFY_UNCERTAINTY_MODEL_ERROR_ESTIMATE_H_
 
 #include <Eigen/Core>
+#include <map>
+#include <utility>
 
 #include "datasets/observation/model_error.h"
 
 namespace clothid {
 
-// Of rows of one kind.
-struct ErrorRows {
-  Eigen::VectorXd times;    // [m] s
-  Eigen::VectorXd sigmas;   // [m] m or N
-  Eigen::VectorXd squares;  // [m] e_i^2, as a loss weighs them
+// Rows of one kind. The likelihood takes those of one time and one sigma together, so that a large recording needs no
+// more than its number of frames.
+class ErrorRows {
+ public:
+  struct Sum {
+    double count = 0.0;
+    double squares = 0.0;  // of e_i^2
+  };
+
+  // A row at `time` s, its sigma in m or N, and its e_i^2 as a loss weighs it.
+  void Add(double time, double sigma, double square);
+  // By time and sigma.
+  const std::map<std::pair<double, double>, Sum>& sums() const { return sums_; }
+
+ private:
+  std::map<std::pair<double, double>, Sum> sums_;
 };
 
 inline constexpr int kMostErrorKnots = 10;  // beside the first

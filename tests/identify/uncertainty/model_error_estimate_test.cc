@@ -40,13 +40,15 @@ Eigen::MatrixXd Frames(const Made& made, unsigned seed) {
   return frames;
 }
 
-ErrorCurve CurveOf(const Eigen::MatrixXd& frames) {
+ErrorRows RowsOf(const Eigen::MatrixXd& frames) {
   ErrorRows rows;
-  rows.times = Eigen::RowVectorXd::LinSpaced(kFrames, 0.0, kStep * (kFrames - 1)).replicate(kRows, 1).reshaped();
-  rows.sigmas = Eigen::VectorXd::Constant(frames.size(), kSigma);
-  rows.squares = frames.reshaped().cwiseAbs2();
-  return EstimateErrorCurve(rows, 0.0, 1.0);
+  for (int t = 0; t < kFrames; ++t) {
+    for (int i = 0; i < kRows; ++i) rows.Add(kStep * t, kSigma, frames(i, t) * frames(i, t));
+  }
+  return rows;
 }
+
+ErrorCurve CurveOf(const Eigen::MatrixXd& frames) { return EstimateErrorCurve(RowsOf(frames), 0.0, 1.0); }
 
 double Growing(double time) { return 5.0 * time * time; }
 
@@ -67,19 +69,28 @@ TEST(ModelErrorEstimateTest, IsZeroWhereThereIsNothingButNoise) {
 }
 
 TEST(ModelErrorEstimateTest, CountsWhatWasFittedAway) {
-  Eigen::MatrixXd frames = Frames({0, 0.0, Growing}, 1);
-  ErrorRows rows;
-  rows.times = Eigen::RowVectorXd::LinSpaced(kFrames, 0.0, kStep * (kFrames - 1)).replicate(kRows, 1).reshaped();
-  rows.sigmas = Eigen::VectorXd::Constant(frames.size(), kSigma);
-  rows.squares = frames.reshaped().cwiseAbs2();
+  const ErrorRows rows = RowsOf(Frames({0, 0.0, Growing}, 1));
   const double all = EstimateErrorCurve(rows, 0.0, 1.0).DeviationAt(0.75);
   EXPECT_GT(EstimateErrorCurve(rows, 0.0, 0.9).DeviationAt(0.75), 1.02 * all);
 }
 
 TEST(ModelErrorEstimateTest, TooFewTimesTellNothing) {
-  EXPECT_TRUE(EstimateErrorCurve(
-                  {Eigen::VectorXd::Zero(5), Eigen::VectorXd::Ones(5), Eigen::VectorXd::Constant(5, 1e4)}, 0.0, 1.0)
-                  .is_zero());
+  ErrorRows rows;
+  for (int i = 0; i < 5; ++i) rows.Add(/*time=*/0.0, /*sigma=*/1.0, /*square=*/1e4);
+  EXPECT_TRUE(EstimateErrorCurve(rows, 0.0, 1.0).is_zero());
+}
+
+// Every sigma a sum of its own, in another order.
+TEST(ModelErrorEstimateTest, RowsOfDifferentSigmasGoTogether) {
+  const Eigen::MatrixXd frames = Frames({0, 0.0, Growing}, 1);
+  ErrorRows rows;
+  for (int i = 0; i < kRows; ++i) {
+    for (int t = 0; t < kFrames; ++t) rows.Add(kStep * t, kSigma * (1.0 + 1e-9 * i), frames(i, t) * frames(i, t));
+  }
+  EXPECT_EQ(rows.sums().size(), static_cast<std::size_t>(kRows * kFrames));
+  const ErrorCurve own = EstimateErrorCurve(rows, 0.0, 1.0), together = CurveOf(frames);
+  ASSERT_EQ(own.variances.size(), together.variances.size());
+  EXPECT_LT((own.variances - together.variances).cwiseAbs().maxCoeff(), 1e-6 * together.variances.maxCoeff());
 }
 
 double Constant(double) { return 3.0; }
