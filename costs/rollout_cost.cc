@@ -124,6 +124,12 @@ bool RolloutCost::EvaluateGradient(const Eigen::VectorXd& coordinates, double* c
   return true;
 }
 
+bool RolloutCost::EvaluateCost(const Eigen::VectorXd& coordinates, double* cost) const {
+  const RolloutEvaluation& evaluation = evaluator_->At({coordinates, precision_, Need::kCostAlone, {}});
+  if (evaluation.ok()) *cost = evaluation.cost + PriorAt(coordinates);
+  return evaluation.ok();
+}
+
 bool RolloutCost::Linearize(const Eigen::VectorXd& coordinates, const Eigen::MatrixXd& combinations,
                             Eigen::MatrixXd* jacobian, Eigen::VectorXd* residuals,
                             Eigen::MatrixXd* frame_scores) const {
@@ -188,6 +194,7 @@ void RolloutCost::Assimilate(const Assimilation& assimilation) { evaluator_->Ass
 
 void RolloutCost::Restart() { evaluator_->ForgetJacobian(); }
 void RolloutCost::Forget() { evaluator_->Forget(); }
+void RolloutCost::KeepOnly(const Eigen::VectorXd& coordinates) const { evaluator_->KeepOnly(coordinates); }
 
 const std::string& RolloutCost::last_failure() const { return evaluator_->last_failure(); }
 

@@ -59,6 +59,8 @@ class RolloutCost : public ceres::CostFunction {
   // L and dL/dq [p + n + f] for first-order methods, by one adjoint column (from the rows of `Evaluate` with the other
   // Jacobians). `gradient` may be null; entries of frozen blocks are zero. Returns as `Evaluate` does.
   bool EvaluateGradient(const Eigen::VectorXd& coordinates, double* cost, Eigen::VectorXd* gradient) const;
+  // L at a point whose derivatives nobody will ask for: nothing is kept of its rollout but the prediction.
+  bool EvaluateCost(const Eigen::VectorXd& coordinates, double* cost) const;
 
   // e [m], and the residuals of the prior, with their Jacobian along the p blocks and along `combinations`
   // [(n + f) x c] of the unknowns (may be empty), weighted by the loss and compressed to r rows: |residuals| = |e|, and
@@ -90,14 +92,17 @@ class RolloutCost : public ceres::CostFunction {
   // all costs that share the cache. Costs of before and of after do not compare.
   void SetModelError(const ModelError& error);
 
-  // How the recording corrects the rollouts from now on (costs/assimilation/assimilation.h), in all costs that share the
-  // cache, which is empty then: the predictions of before were others. Throws as `RecordingModel::Assimilate` does.
+  // How the recording corrects the rollouts from now on (costs/assimilation/assimilation.h), in all costs that share
+  // the cache, which is empty then: the predictions of before were others. Throws as `RecordingModel::Assimilate` does.
   void Assimilate(const Assimilation& assimilation);
 
   // A new fit starts: the adjoint's subspace starts afresh.
   void Restart();
   // Everything starts afresh but `statistics`: which evaluations are cached does not depend on those before.
   void Forget();
+  // Gives back the memory of the latest rollout, and of what is known of all other points [p + n + f]: where that is
+  // asked for, it is made again.
+  void KeepOnly(const Eigen::VectorXd& coordinates) const;
 
   // Why the last evaluation returned false, in one line that names the recording; empty where it did not.
   const std::string& last_failure() const;

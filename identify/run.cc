@@ -235,6 +235,7 @@ class Run {
   // What was asked for beside the fit.
   void Examine() {
     const ScopedTimer timer(&summary_.total_seconds);
+    problem_->KeepOnly(summary_.coordinates);  // rollouts of other steps and scenes need the memory
     checks_.recordings = DescribeRecordings(inputs_.fitted, summary_, fit_options_.loss);
     AddExcludedSides(fit_options_, problem_.get(), &summary_);
     checks_.step_error = AddStepError(inputs_.fitted, fit_options_, *problem_, &summary_);

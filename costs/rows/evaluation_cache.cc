@@ -27,4 +27,9 @@ void EvaluationCache::Remove(const RolloutEvaluation* evaluation) {
                                   [&](const RolloutEvaluation& other) { return &other == evaluation; }));
 }
 
+void EvaluationCache::KeepOnly(const Eigen::VectorXd& coordinates) {
+  const auto is_other = [&](const RolloutEvaluation& evaluation) { return evaluation.coordinates != coordinates; };
+  evaluations_.erase(std::remove_if(evaluations_.begin(), evaluations_.end(), is_other), evaluations_.end());
+}
+
 }  // namespace clothid

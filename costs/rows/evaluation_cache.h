@@ -22,6 +22,8 @@ class EvaluationCache {
   // Pointers to others are void.
   void Remove(const RolloutEvaluation* evaluation);
   void Clear() { evaluations_.clear(); }
+  // All but those of a point.
+  void KeepOnly(const Eigen::VectorXd& coordinates);
 
   // The latest first.
   const std::deque<RolloutEvaluation>& evaluations() const { return evaluations_; }

@@ -3,9 +3,9 @@
 namespace clothid {
 
 void LatestRollout::Drop() {
-  coordinates.resize(0);
-  rollout = Rollout();
-  is_pending = false;
+  const Precision kept = precision;
+  *this = LatestRollout();
+  precision = kept;
 }
 
 void LatestRollout::DropUnless(Precision wanted) {

@@ -61,6 +61,7 @@ bool RolloutComputation::TakesFirstJacobian(const EvaluationKey& key) const {
 }
 
 bool RolloutComputation::StartsWithForwardSweep(const EvaluationKey& key) const {
+  if (key.need == EvaluationNeed::kCostAlone) return false;
   if (!options_.fields.empty()) return false;  // sweeps run along the kept rollout
   switch (options_.jacobian) {
     case JacobianMethod::kAdjoint:
@@ -81,7 +82,7 @@ bool RolloutComputation::TakesAdjointGradient(const EvaluationKey& key) const {
 }
 
 int RolloutComputation::PassesAfterRollout(const EvaluationKey& key) const {
-  if (key.need == EvaluationNeed::kCost) return 0;
+  if (key.need == EvaluationNeed::kCost || key.need == EvaluationNeed::kCostAlone) return 0;
   if (TakesAdjointGradient(key)) return 1;
   const bool is_numeric = options_.jacobian == JacobianMethod::kNumeric && key.need != EvaluationNeed::kExactRows;
   return is_numeric ? static_cast<int>(key.active.size()) : 1;
@@ -100,17 +101,19 @@ void RolloutComputation::Complete(const EvaluationKey& key, const EvaluationCach
 }
 
 Rollout RolloutComputation::Simulate(const Eigen::VectorXd& coordinates, Precision precision, int passes_left,
-                                     Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities, ForceTrack* forces,
-                                     CostStatistics* statistics) {
+                                     const RolloutStorage& storage, Eigen::MatrixXd* predicted,
+                                     Eigen::MatrixXd* velocities, ForceTrack* forces, CostStatistics* statistics) {
   const ScopedTimer timer(&statistics->rollout_seconds);
   ++statistics->rollouts;
-  const RolloutStorage storage =
-      options_.fields.empty() ? RolloutStorage{options_.memory_limit, /*keep_factors=*/false} : kFieldStorage;
   Rollout rollout =
       model_.Simulate(coordinates, {precision, options_.cancel, passes_left}, storage, predicted, velocities, forces);
   statistics->counts += rollout.counts;
   if (!rollout.ok()) throw std::runtime_error(rollout.failure->ToString());
   return rollout;
+}
+
+RolloutStorage RolloutComputation::Storage() const {
+  return options_.fields.empty() ? RolloutStorage{options_.memory_limit, /*keep_factors=*/false} : kFieldStorage;
 }
 
 const LatestRollout& RolloutComputation::RolloutOf(const RolloutEvaluation& evaluation, int passes_left,
@@ -120,7 +123,7 @@ const LatestRollout& RolloutComputation::RolloutOf(const RolloutEvaluation& eval
   if (is_known && !latest_.is_pending) return latest_;
   latest_.Drop();
   CostStatistics counted_before;
-  latest_.rollout = Simulate(evaluation.coordinates, evaluation.precision, passes_left, &latest_.predicted,
+  latest_.rollout = Simulate(evaluation.coordinates, evaluation.precision, passes_left, Storage(), &latest_.predicted,
                              &latest_.velocities, &latest_.forces, is_known ? &counted_before : statistics);
   latest_.coordinates = evaluation.coordinates;
   return latest_;
@@ -147,6 +150,7 @@ void RolloutComputation::Add(const EvaluationKey& key, const EvaluationCache& re
   if (!evaluation->Lacks(key)) return;
   switch (key.need) {
     case EvaluationNeed::kCost:
+    case EvaluationNeed::kCostAlone:
       return;
     case EvaluationNeed::kRows:
       return AddRows(key, recent, evaluation, statistics);
@@ -168,10 +172,19 @@ void RolloutComputation::Add(const EvaluationKey& key, const EvaluationCache& re
 }
 
 void RolloutComputation::AddCost(const EvaluationKey& key, RolloutEvaluation* evaluation, CostStatistics* statistics) {
-  const LatestRollout& latest = RolloutOf(*evaluation, PassesAfterRollout(key), statistics);
-  evaluation->counts = latest.rollout.counts;
-  evaluation->predicted = latest.predicted;
-  evaluation->forces = latest.forces.predicted;
+  if (key.need == EvaluationNeed::kCostAlone) {
+    ForceTrack forces;
+    evaluation->counts =
+        Simulate(evaluation->coordinates, evaluation->precision, /*passes_left=*/0, RolloutStorage{/*memory_limit=*/0},
+                 &evaluation->predicted, /*velocities=*/nullptr, &forces, statistics)
+            .counts;
+    evaluation->forces = std::move(forces.predicted);
+  } else {
+    const LatestRollout& latest = RolloutOf(*evaluation, PassesAfterRollout(key), statistics);
+    evaluation->counts = latest.rollout.counts;
+    evaluation->predicted = latest.predicted;
+    evaluation->forces = latest.forces.predicted;
+  }
   SetCost(options_.loss, model_.observation(), evaluation);
 }
 
@@ -214,7 +227,7 @@ void RolloutComputation::AddRows(const EvaluationKey& key, const EvaluationCache
     case JacobianMethod::kNumeric: {
       const auto run = [&](const Eigen::VectorXd& coordinates, int passes_left, Eigen::MatrixXd* predicted,
                            ForceTrack* forces) {
-        Simulate(coordinates, evaluation->precision, passes_left, predicted, /*velocities=*/nullptr, forces,
+        Simulate(coordinates, evaluation->precision, passes_left, Storage(), predicted, /*velocities=*/nullptr, forces,
                  statistics);
       };
       evaluation->rows = NumericRows(*evaluation, key.active, num_rows(), options_, model_, run);

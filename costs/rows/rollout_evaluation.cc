@@ -18,6 +18,7 @@ std::string DigestOf(const Eigen::MatrixXd& combinations) {
 bool RolloutEvaluation::Lacks(const EvaluationKey& key) const {
   switch (key.need) {
     case EvaluationNeed::kCost:
+    case EvaluationNeed::kCostAlone:
       return is_new();
     case EvaluationNeed::kRows:
       return is_new() || !has_rows || !rows.Covers(key.active);

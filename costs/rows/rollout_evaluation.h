@@ -19,6 +19,7 @@ enum class EvaluationNeed {
   kExactRows,  // and rows by sensitivities, whatever the method; of a new point with adjoint rows they are its rows
   kProduct,    // and a product with the Gauss-Newton matrix, made anew every time; never of a new point
   kPullBack,   // likewise one with the transposed Jacobian
+  kCostAlone,  // as kCost, of a point that nothing else will be asked of: its rollout is not kept
 };
 
 // What is asked: the derivatives for the blocks `active` at least.

@@ -49,6 +49,12 @@ class RolloutEvaluator {
     computation_.Forget();
   }
 
+  // Other points of any precision as if they had not been evaluated, but for the counts; no rollout is kept.
+  void KeepOnly(const Eigen::VectorXd& coordinates) {
+    cache_.KeepOnly(coordinates);
+    computation_.DropRollout();
+  }
+
   int num_rows() const { return computation_.num_rows(); }  // without the row of the loss
   const std::vector<int>& free_blocks() const { return computation_.free_blocks(); }
   const std::vector<int>& free_coordinates() const { return computation_.free_coordinates(); }

@@ -100,6 +100,10 @@ Observation::Observation(const RecordedMotion& motion)
 void Observation::FindSeenCoordinates(const RecordedMotion& motion) {
   const std::vector<bool> is_held = FindHeldPoints(motion);
   std::vector<double> measured;
+  std::size_t most = 3 * points_.size() * stencils_.size();
+  for (int i = 0; i < num_frames(); ++i) most += static_cast<std::size_t>(clouds_.num_rows(i));
+  coordinates_.reserve(most);
+  measured.reserve(most);
   first_row_.push_back(0);
   for (int i = 0; i < num_frames(); ++i) {
     for (int p = 0; p < num_points(); ++p) {

@@ -101,6 +101,7 @@ void AddUncertainty(const FitOptions& options, const FitProblem& problem, FitSum
     }
     const Eigen::MatrixXd& jacobian = estimate.parameters.jacobian;
     summary->marginal = {estimate.follow, jacobian.transpose() * jacobian + PriorHessian(problem.blocks())};
+    problem.KeepOnly(summary->coordinates);
     if (options.check_interval) CheckCost(problem, estimate, &evaluator, summary);
   }
   summary->statistics += evaluator.statistics();

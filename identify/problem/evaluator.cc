@@ -96,6 +96,10 @@ FitEvaluator::RecordingResult FitEvaluator::EvaluateRecording(int recording, con
     if (!problem_->cost(recording, precision).Linearize(own, {}, &jacobian, &residuals)) return result;
   }
   if (HasRows(derivative)) return EvaluateRows(recording, own, precision);
+  if (derivative == Derivative::kNone && purpose_ != EvaluationPurpose::kFit) {
+    result.ok = problem_->cost(recording, precision).EvaluateCost(own, &result.cost);
+    return result;
+  }
   const bool with_gradient = derivative == Derivative::kGradient;
   result.ok = problem_->cost(recording, precision)
                   .EvaluateGradient(own, &result.cost, with_gradient ? &result.gradient : nullptr);
@@ -207,6 +211,7 @@ FitPoint FitEvaluator::PointOf(const Eigen::VectorXd& coordinates, double cost, 
   point.coordinates = coordinates;
   point.cost = cost;
   point.precision = precision;
+  if (purpose_ != EvaluationPurpose::kFit) return point;
   point.predicted.resize(static_cast<std::size_t>(problem_->num_recordings()));
   point.forces.resize(point.predicted.size());
   for (int r = 0; r < problem_->num_recordings(); ++r) {

@@ -15,7 +15,7 @@
 
 namespace clothid {
 
-// A point with a cost.
+// A point with a cost. Evaluators of another purpose than a fit keep no predictions of it, nor their counts.
 struct FitPoint {
   Eigen::VectorXd coordinates;  // [p + n + f]; empty: no point was evaluated yet
   double cost = std::numeric_limits<double>::infinity();

@@ -289,6 +289,10 @@ void FitProblem::Forget() {
   for (const auto& cost : costs_) cost->Forget();
 }
 
+void FitProblem::KeepOnly(const Eigen::VectorXd& coordinates) const {
+  for (int r = 0; r < num_recordings(); ++r) cost(r).KeepOnly(CoordinatesOf(r, coordinates));
+}
+
 void FitProblem::CheckJournals() const {
   for (const auto& cost : costs_) cost->CheckJournal();
 }

@@ -122,6 +122,7 @@ class FitProblem {
   // What every cost does of that name.
   void Restart();
   void Forget();
+  void KeepOnly(const Eigen::VectorXd& coordinates) const;  // [p + n + f]
 
   // Follows the evaluations; null where nobody asked for that.
   EvaluationTracker* tracker() const { return tracker_.get(); }

@@ -37,6 +37,11 @@ Scene AtStep(Scene scene, double factor) {
   return scene;
 }
 
+std::vector<RecordedMotion> AtStep(std::vector<RecordedMotion> motions, double factor) {
+  for (RecordedMotion& motion : motions) motion.scene = AtStep(std::move(motion.scene), factor);
+  return motions;
+}
+
 }  // namespace
 
 StepPrediction PredictAtStep(double factor, const RecordedMotion& motion, const FitOptions& options,
@@ -96,17 +101,16 @@ bool ModelAtStep(double factor, const std::vector<RecordedMotion>& motions, cons
   FitOptions own = problem.WithWeights(options);
   own.journal_folder.clear();
   own.on_progress = nullptr;
-  std::vector<RecordedMotion> others = motions;
-  for (RecordedMotion& motion : others) motion.scene = AtStep(std::move(motion.scene), factor);
+  own.jacobian = JacobianMethod::kSensitivity;  // its rows come along, and nothing is kept for other derivatives
   try {
-    const FitProblem other(others, own);
+    const FitProblem other(AtStep(motions, factor), own);
     FitEvaluator evaluator(&other, options.num_threads, EvaluationPurpose::kInterval);
     double cost = 0.0;
-    const bool ok = evaluator.Evaluate(coordinates, FitEvaluator::Derivative::kExactRows, &cost, nullptr);
+    const bool ok = evaluator.Evaluate(coordinates, FitEvaluator::Derivative::kRows, &cost, nullptr);
     *statistics += evaluator.statistics();
     for (int r = 0; ok && r < other.num_recordings(); ++r) {
-      const auto index = static_cast<std::size_t>(r);
-      predictions->push_back({evaluator.best().predicted[index], evaluator.best().forces[index], {}, {}});
+      StepPrediction& prediction = predictions->emplace_back();
+      other.cost(r).Predict(other.CoordinatesOf(r, coordinates), &prediction.points, nullptr, &prediction.forces);
     }
     if (ok) *model = evaluator.model();
     *failure = ok ? std::string() : evaluator.last_failure();
