@@ -16,6 +16,8 @@ namespace {
 
 // Of a stage that starts near the solution, as far as the region grows on the way there.
 constexpr double kNearTrustRegion = 1e4;
+// A loose start whose cost is this many times that of the end does not have a lower one: loose costs are not as biased.
+constexpr double kClearlyHigher = 2.0;
 // Of the parameters after all unknowns were moved together: what is believed of knots that nothing tells is exact.
 constexpr double kJointTrustRegion = 1e8;
 // Trials of a memory end where the next step lowers the cost by less than this share or is shorter than .5 %, and
@@ -261,6 +263,7 @@ void Descent::GoOnFromLowerStart() {
     return;
   }
   const double cost = best.cost;
+  if (!problem_->chooses_weights() && start_cost_ > kClearlyHigher * cost) return;
   const Eigen::VectorXd start = problem_->StartCoordinates();
   if (!evaluator_.SetFirst(start) || !(best.cost < cost)) return;
   summary_.plan.back().note += "; the start has a lower cost";
