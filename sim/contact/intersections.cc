@@ -72,16 +72,14 @@ Intersections IntersectionCounter::Count(const Eigen::VectorXd& positions) {
   Place(positions);
   tree_.Refit(boxes_);
   Intersections result;
-  for (int f = 0; f < static_cast<int>(boxes_.size()); ++f) {
-    const Triangle face = Corners(faces_, positions, f);
-    tree_.VisitOverlaps(boxes_[f], [&](int other) {
-      if (other <= f || ShareNode(faces_, f, other)) return;
-      const Triangle other_face = Corners(faces_, positions, other);
-      if (!AnySidePassesThrough(face, other_face) && !AnySidePassesThrough(other_face, face)) return;
-      if (result.count == 0 || (result.first[0] == f && other < result.first[1])) result.first = {f, other};
-      ++result.count;
-    });
-  }
+  tree_.VisitPairs([&](int f, int other) {
+    if (ShareNode(faces_, f, other)) return;
+    const Triangle face = Corners(faces_, positions, f), other_face = Corners(faces_, positions, other);
+    if (!AnySidePassesThrough(face, other_face) && !AnySidePassesThrough(other_face, face)) return;
+    const std::array<int, 2> pair = {f, other};
+    if (result.count == 0 || pair < result.first) result.first = pair;
+    ++result.count;
+  });
   return result;
 }
 

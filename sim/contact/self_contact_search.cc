@@ -14,7 +14,9 @@ constexpr double kParallel = 1e-4;         // sin^2 of edges that have no closes
 constexpr double kConeMargin = 0.05;       // rad, of one of two edges, ...
 constexpr double kLeastConeMargin = 1e-3;  // ... and of the other one
 constexpr double kJoinedMargin = 0.1;      // rad, added at faces that the other edge is joined to
-constexpr double kMarginOfReach = 0.25;    // of the thickness
+// Cones that are narrower than twice those margins, as in flat cloth, hold no direction.
+const double kConeCosine = -std::cos(1.99 * kConeMargin), kLeastConeCosine = -std::cos(1.99 * kLeastConeMargin);
+constexpr double kMarginOfReach = 0.25;  // of the thickness
 
 // Of the projection of x to the plane through a, b, c: the weights of a, b, c. Not finite in a triangle without area.
 Vector3d Barycentric(const Vector3d& x, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
@@ -77,7 +79,7 @@ struct SelfContactSearch::Search {
   void TestCorner(int node, int corner) const;
   void TestEdges(const Edge& first, const Edge& second) const;
 
-  bool HasCone(const Edge& edge, double margin) const;
+  double ConeCosine(const Edge& edge) const;
   double ConeMargin(const Edge& edge, const Vector3d& direction, const Edge& other) const;
 };
 
@@ -156,12 +158,12 @@ double SelfContactSearch::Search::ConeMargin(const Edge& edge, const Vector3d& d
   return margin;
 }
 
-// False where the normal cone is narrower than twice `margin`, as in flat cloth.
-bool SelfContactSearch::Search::HasCone(const Edge& edge, double margin) const {
-  if (edge.opposite[1] < 0) return true;
+// -cos of the angle around the normal cone; of a border as if that were as wide as can be.
+double SelfContactSearch::Search::ConeCosine(const Edge& edge) const {
+  if (edge.opposite[1] < 0) return 1.0;
   const Vector3d from = Position(edge.nodes[0]), along = Position(edge.nodes[1]) - from;
   const Vector3d inward = Across(along, Position(edge.opposite[0]) - from);
-  return inward.dot(Across(along, Position(edge.opposite[1]) - from)) >= -std::cos(1.99 * margin);
+  return inward.dot(Across(along, Position(edge.opposite[1]) - from));
 }
 
 SelfContactSearch::SelfContactSearch(const Mesh& mesh, double thickness)
@@ -259,8 +261,9 @@ void SelfContactSearch::PlaceFaces(const Search& search) {
 void SelfContactSearch::PlaceEdges(const Search& search) {
   sharp_edges_.clear();
   for (std::size_t i = 0; i < edges_.size(); ++i) {
-    edge_boxes_[i] = search.HasCone(edges_[i], kLeastConeMargin) ? search.Box(edges_[i].nodes) : BoxTree::Box();
-    if (search.HasCone(edges_[i], kConeMargin)) sharp_edges_.push_back(static_cast<int>(i));
+    const double cosine = search.ConeCosine(edges_[i]);
+    edge_boxes_[i] = cosine >= kLeastConeCosine ? search.Box(edges_[i].nodes) : BoxTree::Box();
+    if (cosine >= kConeCosine) sharp_edges_.push_back(static_cast<int>(i));
   }
   edge_tree_.Refit(edge_boxes_);
 }

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <vector>
 
 namespace clothid {
@@ -31,6 +32,10 @@ class BoxTree {
     VisitOverlaps(
         box, [](int) { return true; }, visit);
   }
+
+  // Calls visit(a, b), a < b, once for every two items whose boxes overlap or touch.
+  template <class Visitor>
+  void VisitPairs(Visitor&& visit) const;
 
   // What holds for all items below a node, from values of items [n]: join(&value, other) adds another to `value`, which
   // starts as Value().
@@ -72,6 +77,32 @@ void BoxTree::VisitOverlaps(const Box& box, Descend&& descend, Visitor&& visit) 
       if (Overlaps(boxes_[k], box)) visit(items_[k]);
     }
     ++i;
+  }
+}
+
+// Every leaf with itself and with those after it.
+template <class Visitor>
+void BoxTree::VisitPairs(Visitor&& visit) const {
+  const auto visit_pair = [&](int k, int l) {
+    if (Overlaps(boxes_[k], boxes_[l])) visit(std::min(items_[k], items_[l]), std::max(items_[k], items_[l]));
+  };
+  const int num_nodes = static_cast<int>(nodes_.size());
+  for (const Node& leaf : nodes_) {
+    if (leaf.first_item == leaf.last_item) continue;
+    for (int k = leaf.first_item; k < leaf.last_item; ++k) {
+      for (int l = k + 1; l < leaf.last_item; ++l) visit_pair(k, l);
+    }
+    for (int i = leaf.after; i < num_nodes;) {
+      const Node& node = nodes_[i];
+      if (!Overlaps(node.box, leaf.box)) {
+        i = node.after;
+        continue;
+      }
+      for (int k = leaf.first_item; k < leaf.last_item; ++k) {
+        for (int l = node.first_item; l < node.last_item; ++l) visit_pair(k, l);
+      }
+      ++i;
+    }
   }
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 #include "tests/sim/random_numbers.h"
@@ -38,6 +39,23 @@ std::vector<int> BruteForceOverlaps(const std::vector<Box>& boxes, const Box& bo
   return items;
 }
 
+std::vector<std::array<int, 2>> Pairs(const BoxTree& tree) {
+  std::vector<std::array<int, 2>> pairs;
+  tree.VisitPairs([&](int a, int b) { pairs.push_back({a, b}); });
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+std::vector<std::array<int, 2>> BruteForcePairs(const std::vector<Box>& boxes) {
+  std::vector<std::array<int, 2>> pairs;
+  for (int a = 0; a < static_cast<int>(boxes.size()); ++a) {
+    for (int b = a + 1; b < static_cast<int>(boxes.size()); ++b) {
+      if (boxes[a].intersects(boxes[b])) pairs.push_back({a, b});
+    }
+  }
+  return pairs;
+}
+
 // Also: every item at most once, and the same order at every call.
 void ExpectBruteForce(const BoxTree& tree, const std::vector<Box>& boxes, RandomNumbers* random) {
   for (int query = 0; query < 30; ++query) {
@@ -47,6 +65,7 @@ void ExpectBruteForce(const BoxTree& tree, const std::vector<Box>& boxes, Random
     std::sort(items.begin(), items.end());
     EXPECT_EQ(items, BruteForceOverlaps(boxes, box));
   }
+  EXPECT_EQ(Pairs(tree), BruteForcePairs(boxes));
 }
 
 TEST(BoxTree, FindsWhatEveryBoxTellsBeforeAndAfterItemsMove) {
