@@ -41,7 +41,7 @@ class Descent {
   void SkipStage(std::size_t stage, const char* why);
   void Tell(std::size_t stage) const;
   // Loose stages, and those with other weights, were never compared with the start as costs are at the end. Where the
-  // start is lower, the last stage goes on from there.
+  // start is lower, the last stage goes on from there. A start whose loose cost is twice that of the end is not.
   void GoOnFromLowerStart();
   // What has become of it. The estimate is the point of lowest cost of all that compare, where there is one and it
   // `is_answer`; a loose one is better than none only where somebody has stopped the fit there.

@@ -60,6 +60,39 @@ TEST(RolloutCostCallsTest, DoesNothingTwice) {
   EXPECT_EQ(numeric.counts.steps, 60);
 }
 
+// Neither a sweep nor a rollout for derivatives, and the cost of any other way, also of what is asked for after it.
+TEST(RolloutCostCallsTest, EvaluatesACostAlone) {
+  const RecordedMotion motion = SwingMotion();
+  const std::vector<ParameterBlock> blocks = MakeBlocks(motion.scene, {"k_stretch", "k_bend"});
+  const Eigen::VectorXd start = StartOf(blocks);
+  for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity, JacobianMethod::kNumeric}) {
+    const RolloutCost cost(motion, blocks, WithJacobian(method)), other(motion, blocks, WithJacobian(method));
+    double alone = 0.0;
+    ASSERT_TRUE(cost.EvaluateCost(start, &alone));
+    EXPECT_EQ(cost.statistics().rollouts, 1);
+    EXPECT_EQ(cost.statistics().sweeps, 0);
+    EXPECT_NEAR(alone, CostAt(other, start), 1e-12 * alone);
+    ExpectNear(EvaluateAll(cost, start).gradient(), EvaluateAll(other, start).gradient(), 1e-10);
+    ASSERT_TRUE(cost.EvaluateCost(start, &alone));
+    EXPECT_EQ(cost.statistics().rollouts, method == JacobianMethod::kNumeric ? 3 : 2)
+        << "what is known is not made again";
+  }
+}
+
+TEST(RolloutCostCallsTest, KeepsOnePoint) {
+  const RecordedMotion motion = SwingMotion();
+  const std::vector<ParameterBlock> blocks = MakeBlocks(motion.scene, {"k_stretch", "k_bend"});
+  const Eigen::VectorXd start = StartOf(blocks), other = start.array() + 0.01;
+  const RolloutCost cost(motion, blocks, WithJacobian(JacobianMethod::kAdjoint));
+  const CeresRows rows = EvaluateAll(cost, start);
+  const double other_cost = CostAt(cost, other);
+  cost.KeepOnly(start);
+  EXPECT_EQ(EvaluateAll(cost, start).residuals, rows.residuals);
+  EXPECT_EQ(cost.statistics().rollouts, 2);
+  EXPECT_EQ(CostAt(cost, other), other_cost);
+  EXPECT_EQ(cost.statistics().rollouts, 3);
+}
+
 TEST(RolloutCostCallsTest, FrozenBlocksHaveNoGradient) {
   const RecordedMotion motion = SwingMotion();
   std::vector<ParameterBlock> blocks = MakeBlocks(motion.scene, {"k_stretch", "k_bend"});

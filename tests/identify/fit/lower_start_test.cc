@@ -48,7 +48,7 @@ TEST(LowerStartTest, AFitEndsNoHigherThanItsStart) {
   }
 }
 
-// Rounds that ended elsewhere are told in the plan, and start and end are of one precision.
+// Rounds that ended elsewhere are told in the plan, and start and end are of one precision where they are near.
 TEST(LowerStartTest, TheStartIsToldAsTheEndIs) {
   const std::vector<RecordedMotion> motions = {RoughSwing(1e-3)};
   FitOptions options;
