@@ -101,19 +101,17 @@ void RolloutComputation::Complete(const EvaluationKey& key, const EvaluationCach
 }
 
 Rollout RolloutComputation::Simulate(const Eigen::VectorXd& coordinates, Precision precision, int passes_left,
-                                     const RolloutStorage& storage, Eigen::MatrixXd* predicted,
-                                     Eigen::MatrixXd* velocities, ForceTrack* forces, CostStatistics* statistics) {
+                                     Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities, ForceTrack* forces,
+                                     CostStatistics* statistics) {
   const ScopedTimer timer(&statistics->rollout_seconds);
   ++statistics->rollouts;
+  const RolloutStorage storage =
+      options_.fields.empty() ? RolloutStorage{options_.memory_limit, /*keep_factors=*/false} : kFieldStorage;
   Rollout rollout =
       model_.Simulate(coordinates, {precision, options_.cancel, passes_left}, storage, predicted, velocities, forces);
   statistics->counts += rollout.counts;
   if (!rollout.ok()) throw std::runtime_error(rollout.failure->ToString());
   return rollout;
-}
-
-RolloutStorage RolloutComputation::Storage() const {
-  return options_.fields.empty() ? RolloutStorage{options_.memory_limit, /*keep_factors=*/false} : kFieldStorage;
 }
 
 const LatestRollout& RolloutComputation::RolloutOf(const RolloutEvaluation& evaluation, int passes_left,
@@ -123,7 +121,7 @@ const LatestRollout& RolloutComputation::RolloutOf(const RolloutEvaluation& eval
   if (is_known && !latest_.is_pending) return latest_;
   latest_.Drop();
   CostStatistics counted_before;
-  latest_.rollout = Simulate(evaluation.coordinates, evaluation.precision, passes_left, Storage(), &latest_.predicted,
+  latest_.rollout = Simulate(evaluation.coordinates, evaluation.precision, passes_left, &latest_.predicted,
                              &latest_.velocities, &latest_.forces, is_known ? &counted_before : statistics);
   latest_.coordinates = evaluation.coordinates;
   return latest_;
@@ -172,19 +170,11 @@ void RolloutComputation::Add(const EvaluationKey& key, const EvaluationCache& re
 }
 
 void RolloutComputation::AddCost(const EvaluationKey& key, RolloutEvaluation* evaluation, CostStatistics* statistics) {
-  if (key.need == EvaluationNeed::kCostAlone) {
-    ForceTrack forces;
-    evaluation->counts =
-        Simulate(evaluation->coordinates, evaluation->precision, /*passes_left=*/0, RolloutStorage{/*memory_limit=*/0},
-                 &evaluation->predicted, /*velocities=*/nullptr, &forces, statistics)
-            .counts;
-    evaluation->forces = std::move(forces.predicted);
-  } else {
-    const LatestRollout& latest = RolloutOf(*evaluation, PassesAfterRollout(key), statistics);
-    evaluation->counts = latest.rollout.counts;
-    evaluation->predicted = latest.predicted;
-    evaluation->forces = latest.forces.predicted;
-  }
+  const LatestRollout& latest = RolloutOf(*evaluation, PassesAfterRollout(key), statistics);
+  evaluation->counts = latest.rollout.counts;
+  evaluation->predicted = latest.predicted;
+  evaluation->forces = latest.forces.predicted;
+  if (key.need == EvaluationNeed::kCostAlone) latest_.Drop();
   SetCost(options_.loss, model_.observation(), evaluation);
 }
 
@@ -227,7 +217,7 @@ void RolloutComputation::AddRows(const EvaluationKey& key, const EvaluationCache
     case JacobianMethod::kNumeric: {
       const auto run = [&](const Eigen::VectorXd& coordinates, int passes_left, Eigen::MatrixXd* predicted,
                            ForceTrack* forces) {
-        Simulate(coordinates, evaluation->precision, passes_left, Storage(), predicted, /*velocities=*/nullptr, forces,
+        Simulate(coordinates, evaluation->precision, passes_left, predicted, /*velocities=*/nullptr, forces,
                  statistics);
       };
       evaluation->rows = NumericRows(*evaluation, key.active, num_rows(), options_, model_, run);

@@ -86,11 +86,8 @@ class RolloutComputation {
   void AddExactRows(const EvaluationKey& key, RolloutEvaluation* evaluation, CostStatistics* statistics);
   // Runs the rollout of a point, with `passes_left` further passes to come, and counts it. Throws `std::runtime_error`
   // where it fails. The rest as of RecordingModel::Simulate.
-  Rollout Simulate(const Eigen::VectorXd& coordinates, Precision precision, int passes_left,
-                   const RolloutStorage& storage, Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities,
-                   ForceTrack* forces, CostStatistics* statistics);
-  // For derivatives along it.
-  RolloutStorage Storage() const;
+  Rollout Simulate(const Eigen::VectorXd& coordinates, Precision precision, int passes_left, Eigen::MatrixXd* predicted,
+                   Eigen::MatrixXd* velocities, ForceTrack* forces, CostStatistics* statistics);
   // The rollout of an evaluation: the latest if it is that, else it is run, and the latest from then on.
   const LatestRollout& RolloutOf(const RolloutEvaluation& evaluation, int passes_left, CostStatistics* statistics);
   // Whether the columns of a sweep for `key` are kept, for pull-backs from its point.

@@ -138,7 +138,6 @@ Lead LeadByFirstFrames(const std::vector<RecordedMotion>& motions, const FitOpti
   Lead lead;
   lead.coordinates = descent->coordinates().head(problem.num_blocks());
   bool is_lost = false;
-  problem.KeepOnly(descent->coordinates());  // the stages lead away from where they start
   for (std::size_t i = 0; i < descent->plan().size() && descent->plan()[i].share < 1.0; ++i) {
     if (options.is_cancelled()) return lead;
     if (is_lost) {
