@@ -12,7 +12,8 @@ void SetCost(const RobustLoss& loss, const Observation& observation, RolloutEval
   PredictionCost cost = CostOfPrediction(loss, observation, evaluation->predicted, evaluation->forces);
   evaluation->cost = cost.value;
   // Rounding would make it imaginary.
-  evaluation->loss_row = std::sqrt(std::max(0.0, 2.0 * cost.value - cost.weights.cwiseProduct(cost.residuals).squaredNorm()));
+  evaluation->loss_row =
+      std::sqrt(std::max(0.0, 2.0 * cost.value - cost.weights.cwiseProduct(cost.residuals).squaredNorm()));
   evaluation->residuals = std::move(cost.residuals);
 }
 
